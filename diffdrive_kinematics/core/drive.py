@@ -1,0 +1,248 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""
+From velocity commands to wheel rates over time: limits, ramps, saturation and the watchdog.
+
+The drive is a value; :meth:`Drive.commanded` and :meth:`Drive.advanced` return the drive after a
+command and after the passing of time, each with the changes of the wheel rates on the way.  A
+change is stamped with the time from which it holds, computed from the stamps of the commands and
+never from the moment at which somebody asked, so timers only decide when a change is told.
+"""
+
+from dataclasses import dataclass, replace
+import math
+from typing import List, NamedTuple, Optional, Tuple
+
+from diffdrive_kinematics.core.checks import (
+    check_non_negative, check_positive, is_sane, LARGEST)
+from diffdrive_kinematics.core.compensated import RunningSum
+from diffdrive_kinematics.core.geometry import wheel_rates_from_twist, WheelGeometry
+from diffdrive_kinematics.core.limits import AxisLimits
+from diffdrive_kinematics.core.saturation import saturate
+
+__all__ = ['Drive', 'DriveSettings', 'DriveTelling', 'Twist']
+
+NANOSECONDS = 1e9
+
+
+class Twist(NamedTuple):
+    """Forward speed v [m/s] and yaw rate w [rad/s]."""
+
+    v: float
+    w: float
+
+
+STILL = Twist(0.0, 0.0)
+
+
+@dataclass(frozen=True)
+class DriveSettings:
+    """
+    What a drive needs to know.
+
+    Parameters
+    ----------
+    geometry : WheelGeometry
+        Size and spacing of the wheels.
+    linear, angular : AxisLimits
+        Limits of v and of w.
+    max_wheel_rate : float
+        Bound of both wheel rates [rad/s]; NaN = none.
+    cmd_vel_timeout : float
+        Age [s] at which a command ends and the drive brakes; 0 = never.
+    publish_rate : float
+        Rate [Hz] of the grid on which ramps step.
+
+    Raises
+    ------
+    ValueError
+        If a value is out of its range.
+
+    """
+
+    geometry: WheelGeometry
+    linear: AxisLimits = AxisLimits()
+    angular: AxisLimits = AxisLimits()
+    max_wheel_rate: float = math.nan
+    cmd_vel_timeout: float = 0.5
+    publish_rate: float = 50.0
+
+    def __post_init__(self) -> None:
+        check_non_negative('cmd_vel_timeout', self.cmd_vel_timeout)
+        check_positive('publish_rate', self.publish_rate)
+        if self.max_wheel_rate <= 0.0:
+            raise ValueError(
+                f'max_wheel_rate is {self.max_wheel_rate!r}, expected above 0, or NaN')
+
+    @property
+    def ramps(self) -> bool:
+        """Whether a change of the twist takes more than one step."""
+        return self.linear.ramps or self.angular.ramps
+
+    @property
+    def period_ns(self) -> int:
+        """Length of a step of the ramp [ns]."""
+        return max(1, round(NANOSECONDS / self.publish_rate))
+
+
+class DriveTelling(NamedTuple):
+    """What to tell at ``stamp_ns``: wheel rates [rad/s], angles [rad], (left, right), twist."""
+
+    stamp_ns: int
+    rates: Tuple[float, float]
+    angles: Tuple[float, float]
+    twist: Twist
+
+
+@dataclass(frozen=True)
+class Drive:
+    """
+    The commanded motion, from ``since_ns`` on.
+
+    Parameters
+    ----------
+    settings : DriveSettings
+        Geometry and limits.
+    since_ns : int
+        Time of the last change of the rates.
+    target : Twist
+        What was asked for.
+    twist, before : Twist
+        What is commanded after limits and saturation, and a step before: the limiter's state.
+    rates : pair of float
+        Wheel rates [rad/s] of ``twist``.
+    left, right : RunningSum
+        Angle [rad] commanded up to ``since_ns``.
+    deadline_ns : int or None
+        When the command ends; None: it does not, or has.
+    step_ns : int or None
+        Time of the ramp's next step; None: the twist is settled.
+    saturated, limited : int
+        How many commands or steps the wheel rate bound, or a limit, has cut.
+
+    """
+
+    settings: DriveSettings
+    since_ns: int
+    target: Twist = STILL
+    twist: Twist = STILL
+    before: Twist = STILL
+    rates: Tuple[float, float] = (0.0, 0.0)
+    left: RunningSum = RunningSum(0.0)
+    right: RunningSum = RunningSum(0.0)
+    deadline_ns: Optional[int] = None
+    step_ns: Optional[int] = None
+    saturated: int = 0
+    limited: int = 0
+
+    def commanded(self, target: Twist, stamp_ns: int) -> Tuple['Drive', List[DriveTelling]]:
+        """
+        Return the drive after a command that holds from ``stamp_ns``, and the changes.
+
+        The change is never before the last one: at its time or later by 1 ns.  While a ramp is
+        under way a command only moves the target, and the ramp's next step heads for it.
+
+        Raises
+        ------
+        ValueError
+            If the twist or its wheel rates are not finite or absurdly large.
+
+        """
+        rates = wheel_rates_from_twist(self.settings.geometry, *target)
+        if not is_sane(*target, *rates):
+            raise ValueError(
+                f'the command (linear.x, angular.z) is {tuple(target)!r}, expected finite '
+                f'numbers that give wheel rates within +-{LARGEST:g} rad/s')
+        drive, changes = self.advanced(stamp_ns)
+        timeout = drive.settings.cmd_vel_timeout
+        deadline = stamp_ns + round(timeout * NANOSECONDS) if timeout else None
+        drive = replace(drive, target=target, deadline_ns=deadline)
+        if drive.step_ns is None:
+            drive, change = drive._stepped(max(stamp_ns, drive.since_ns + 1))
+            changes += change
+        return drive, changes
+
+    def advanced(self, now_ns: int) -> Tuple['Drive', List[DriveTelling]]:
+        """Return the drive at ``now_ns`` and the changes due until then, ramps and watchdog."""
+        drive: Drive = self
+        changes: List[DriveTelling] = []
+        while True:
+            event = min(
+                (time for time in (drive.deadline_ns, drive.step_ns) if time is not None),
+                default=None)
+            if event is None or event > now_ns:
+                return drive, changes
+            if event == drive.deadline_ns:
+                drive = replace(drive, target=STILL, deadline_ns=None)
+                if drive.step_ns is not None:
+                    continue
+            drive, change = drive._stepped(max(event, drive.since_ns + 1))
+            changes += change
+
+    def told(self, now_ns: int) -> DriveTelling:
+        """Return what holds at ``now_ns`` (at the last change where that is later)."""
+        stamp = max(now_ns, self.since_ns)
+        left, right = self._angles(stamp)
+        return DriveTelling(stamp, self.rates, (left.value, right.value), self.twist)
+
+    def configured(
+            self, settings: DriveSettings, now_ns: int) -> Tuple['Drive', List[DriveTelling]]:
+        """Return the drive under new settings from ``now_ns`` on: the same target anew."""
+        drive, changes = self.advanced(now_ns)
+        drive, change = replace(drive, settings=settings)._stepped(
+            max(now_ns, drive.since_ns + 1))
+        return drive, changes + change
+
+    def clock_stepped(self, step_ns: int) -> 'Drive':
+        """Return the drive as it reads after the clock itself was stepped."""
+        return replace(
+            self, since_ns=self.since_ns + step_ns,
+            deadline_ns=None if self.deadline_ns is None else self.deadline_ns + step_ns,
+            step_ns=None if self.step_ns is None else self.step_ns + step_ns)
+
+    def _stepped(self, time_ns: int) -> Tuple['Drive', List[DriveTelling]]:
+        """Take one step towards the target at ``time_ns``; without ramps it gets there."""
+        wanted = self._limited()
+        rates = wheel_rates_from_twist(self.settings.geometry, *wanted)
+        left, right, factor = saturate(*rates, self.settings.max_wheel_rate)
+        twist = Twist(wanted.v * factor, wanted.w * factor)
+        settled = not self.settings.ramps or twist == self.twist == self.before
+        drive = replace(
+            self, twist=twist, before=self.twist,
+            step_ns=None if settled else time_ns + self.settings.period_ns,
+            saturated=self.saturated + (factor < 1.0),
+            limited=self.limited + (wanted != self.target))
+        if (left, right) == self.rates and twist == self.twist:
+            return drive, []
+        angle_left, angle_right = self._angles(time_ns)
+        drive = replace(
+            drive, since_ns=time_ns, rates=(left, right), left=angle_left, right=angle_right)
+        return drive, [drive.told(time_ns)]
+
+    def _limited(self) -> Twist:
+        if not self.settings.ramps:
+            return Twist(self.settings.linear.limit_velocity(self.target.v),
+                         self.settings.angular.limit_velocity(self.target.w))
+        dt = 1.0 / self.settings.publish_rate
+        return Twist(
+            self.settings.linear.limit(
+                self.target.v, current=self.twist.v, before=self.before.v, dt=dt),
+            self.settings.angular.limit(
+                self.target.w, current=self.twist.w, before=self.before.w, dt=dt))
+
+    def _angles(self, time_ns: int) -> Tuple[RunningSum, RunningSum]:
+        seconds = (time_ns - self.since_ns) / NANOSECONDS
+        return (self.left.plus(self.rates[0] * seconds),
+                self.right.plus(self.rates[1] * seconds))

@@ -1,0 +1,172 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""
+Odometry: the pose that wheel motion amounts to, evaluated from an anchor at any time.
+
+The pose at the anchor is kept with compensated sums; the pose at a time is one exact arc from
+there, so publishing neither accumulates nor changes anything.
+"""
+
+from dataclasses import dataclass, replace
+import math
+from typing import NamedTuple, Optional, Tuple
+
+from diffdrive_kinematics.core.angles import wrap_angle
+from diffdrive_kinematics.core.arc import advance, Pose
+from diffdrive_kinematics.core.checks import check_finite, is_sane, LARGEST
+from diffdrive_kinematics.core.compensated import RunningSum
+from diffdrive_kinematics.core.geometry import (
+    pose_change_from_travel, travel_from_angles, twist_from_wheel_rates, WheelGeometry)
+from diffdrive_kinematics.core.wheel_motion import (
+    first_motion, Pair, rates_at, receive, rolled, shifted, Verdict, WheelMotion, WheelSample)
+
+__all__ = ['BaseReading', 'Odometry']
+
+
+class BaseReading(NamedTuple):
+    """
+    The base at one time.
+
+    Pose (theta in (-pi, pi]) [m, rad], twist (v, w) [m/s, rad/s] in the robot's frame, wheel
+    angles rolled since the start [rad], and wheel rates [rad/s]; pairs are (left, right).
+    """
+
+    pose: Pose
+    twist: Tuple[float, float]
+    angles: Pair
+    rates: Pair
+
+
+@dataclass(frozen=True)
+class Odometry:
+    """
+    Odometry of a base with wheel geometry; a value: every method returns a new one.
+
+    Parameters
+    ----------
+    geometry : WheelGeometry
+        Size and spacing of the wheels.
+    timeout_ns : int or None
+        Silence [ns] after which the wheels stop, at the last stamp plus this; None = never.
+    x, y, theta : RunningSum
+        Pose at the anchor [m, m, rad]; theta is not wrapped.
+    left, right : RunningSum
+        Angles rolled up to the anchor [rad].
+    motion : WheelMotion or None
+        What the wheels do since the anchor; None until the first sample.
+
+    """
+
+    geometry: WheelGeometry
+    timeout_ns: Optional[int]
+    x: RunningSum = RunningSum(0.0)
+    y: RunningSum = RunningSum(0.0)
+    theta: RunningSum = RunningSum(0.0)
+    left: RunningSum = RunningSum(0.0)
+    right: RunningSum = RunningSum(0.0)
+    motion: Optional[WheelMotion] = None
+
+    @staticmethod
+    def starting_at(
+            pose: Pose, *, geometry: WheelGeometry, timeout_ns: Optional[int]) -> 'Odometry':
+        """
+        Return the odometry of a base that stands at ``pose`` (scalars) with wheel angles 0.
+
+        Raises
+        ------
+        ValueError
+            If a coordinate is not finite.
+
+        """
+        for name, value in zip(('x', 'y', 'yaw'), pose):
+            check_finite(f'{name} of the pose', float(value))
+        return Odometry(
+            geometry, timeout_ns, RunningSum(float(pose.x)), RunningSum(float(pose.y)),
+            RunningSum(float(pose.theta)))
+
+    def received(self, sample: WheelSample, now_ns: int) -> Tuple['Odometry', Verdict]:
+        """
+        Return the odometry after a sample, and what became of the sample.
+
+        Raises
+        ------
+        ValueError
+            If the sample amounts to an absurd speed or travel of this geometry.
+
+        """
+        self._check_sane(sample.rates or (0.0, 0.0), 'velocity')
+        if self.motion is None:
+            return replace(self, motion=first_motion(sample)), Verdict.FIRST
+        result = receive(self.motion, sample, now_ns=now_ns, timeout_ns=self.timeout_ns)
+        if result.verdict in (Verdict.REPEATED, Verdict.OUT_OF_ORDER):
+            return replace(self, motion=result.motion), result.verdict
+        self._check_sane(result.rolled, 'position')
+        return replace(self._rolled(result.rolled), motion=result.motion), result.verdict
+
+    def configured(
+            self, geometry: WheelGeometry, timeout_ns: Optional[int], now_ns: int) -> 'Odometry':
+        """Return the odometry with what was rolled so far kept and new settings from now on."""
+        if self.motion is None or now_ns <= self.motion.anchor_ns:
+            return replace(self, geometry=geometry, timeout_ns=timeout_ns)
+        angle = rolled(self.motion, now_ns, self.timeout_ns)
+        reference = (self.motion.reference[0] + angle[0], self.motion.reference[1] + angle[1])
+        motion = replace(
+            self.motion, anchor_ns=now_ns, reference=reference,
+            rates=rates_at(self.motion, now_ns, self.timeout_ns))
+        return replace(
+            self._rolled(angle), geometry=geometry, timeout_ns=timeout_ns, motion=motion)
+
+    def clock_stepped(self, step_ns: int) -> 'Odometry':
+        """Return the odometry as it reads after the clock itself was stepped."""
+        return replace(self, motion=self.motion and shifted(self.motion, step_ns))
+
+    def at(self, time_ns: int) -> BaseReading:
+        """Return the base at a time; before the anchor that is the base at the anchor."""
+        if self.motion is None:
+            return BaseReading(self._pose(0.0, 0.0), (0.0, 0.0),
+                               (self.left.value, self.right.value), (0.0, 0.0))
+        angle = rolled(self.motion, time_ns, self.timeout_ns)
+        rates = rates_at(self.motion, time_ns, self.timeout_ns)
+        return BaseReading(
+            self._pose(*angle), twist_from_wheel_rates(self.geometry, *rates),
+            (self.left.plus(angle[0]).value, self.right.plus(angle[1]).value), rates)
+
+    def _check_sane(self, wheels: Pair, name: str) -> None:
+        if not is_sane(*twist_from_wheel_rates(self.geometry, *wheels)):
+            raise ValueError(
+                f'{name} (left, right) is {wheels!r} since the message before, expected wheel '
+                f'motion that moves the robot by less than {LARGEST:g} m and rad')
+
+    def _pose(self, left: float, right: float) -> Pose:
+        change = self._change(left, right)
+        theta = self.theta.plus(float(change.theta)).value
+        return Pose(self.x.plus(float(change.x)).value, self.y.plus(float(change.y)).value,
+                    wrap_angle(theta))
+
+    def _rolled(self, angle: Pair) -> 'Odometry':
+        """Return the odometry with the anchor moved by an angle of the wheels [rad]."""
+        change = self._change(*angle)
+        return replace(
+            self, x=self.x.plus(float(change.x)), y=self.y.plus(float(change.y)),
+            theta=self.theta.plus(float(change.theta)), left=self.left.plus(angle[0]),
+            right=self.right.plus(angle[1]))
+
+    def _change(self, left: float, right: float) -> Pose:
+        """Return the change of the pose [m, m, rad] in the fixed frame for wheel angles [rad]."""
+        travel = travel_from_angles(self.geometry, left, right)
+        distance, turn = pose_change_from_travel(self.geometry, *travel)
+        heading = math.remainder(self.theta.high, math.tau) + self.theta.low
+        change = advance(Pose(0.0, 0.0, heading), distance, turn)
+        return Pose(change.x, change.y, turn)

@@ -1,0 +1,197 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""
+Wheel motion over time: from stamped samples of rates and positions to the angle rolled.
+
+Stamps are integers of nanoseconds; pairs are (left, right).  The result depends on stamps only,
+never on when a sample happened to arrive or how often somebody looked.
+
+* The *anchor* is the last change of the rates.  From there the angle at any time is a closed
+  form; a repeat of the same rates only renews ``last_ns``, so nothing accumulates.
+* Where two samples carry positions, the increment is the truth (a lost sample costs nothing);
+  otherwise the rates of the anchor are held.
+* Without a sample for ``timeout_ns`` the wheels stop exactly at ``last_ns + timeout_ns``.
+* A sample between the anchor and ``last_ns`` supersedes what followed it.
+* A sample without positions is the baseline, 0, from which the positions of its publisher
+  count; the first sample ever heard is the baseline whatever it carries.
+"""
+
+from dataclasses import dataclass, replace
+import enum
+import math
+from typing import Optional, Tuple
+
+from diffdrive_kinematics.core.checks import is_sane, LARGEST
+
+__all__ = [
+    'Pair', 'Received', 'Verdict', 'WheelMotion', 'WheelSample', 'first_motion', 'rates_at',
+    'receive', 'rolled', 'shifted', 'step_tolerance']
+
+Pair = Tuple[float, float]
+ZERO: Pair = (0.0, 0.0)
+NANOSECONDS = 1e9
+STEP_TOLERANCE_NS = 1_000_000_000
+
+
+@dataclass(frozen=True)
+class WheelSample:
+    """
+    One message about the wheels: rates [rad/s], positions [rad], or both; None where absent.
+
+    Raises
+    ------
+    ValueError
+        If both are absent, or a value is not finite or is absurdly large.
+
+    """
+
+    stamp_ns: int
+    rates: Optional[Pair]
+    positions: Optional[Pair] = None
+
+    def __post_init__(self) -> None:
+        if self.rates is None and self.positions is None:
+            raise ValueError('velocity and position are absent, expected at least one of them')
+        for name, pair in (('velocity', self.rates), ('position', self.positions)):
+            if pair is not None and not is_sane(*pair):
+                raise ValueError(
+                    f'{name} (left, right) is {pair!r}, expected finite numbers '
+                    f'within +-{LARGEST:g}')
+
+
+@dataclass(frozen=True)
+class WheelMotion:
+    """
+    What is known about the wheels since the anchor.
+
+    ``holds`` is False where only positions are known: nothing is extrapolated from them, and
+    ``rates`` is what the last increment amounts to.  ``reference`` is what the publisher's
+    positions [rad] are at the anchor; ``counted`` tells whether a sample since then had any.
+    """
+
+    anchor_ns: int
+    last_ns: int
+    rates: Pair
+    reference: Pair
+    holds: bool
+    counted: bool
+
+
+class Verdict(enum.Enum):
+    """What became of a sample."""
+
+    FIRST = 'first'
+    MOVED = 'moved'
+    REPEATED = 'repeated'
+    OUT_OF_ORDER = 'out of order'
+    CLOCK_STEP = 'clock step'
+
+
+@dataclass(frozen=True)
+class Received:
+    """The motion after a sample, and the angle [rad] rolled between the two anchors."""
+
+    motion: WheelMotion
+    rolled: Pair
+    verdict: Verdict
+
+
+def step_tolerance(timeout_ns: Optional[int]) -> int:
+    """Return how far [ns] a stamp may be off before it is taken for a step of the clock."""
+    return max(timeout_ns or 0, STEP_TOLERANCE_NS)
+
+
+def first_motion(sample: WheelSample) -> WheelMotion:
+    """Return the motion that starts with ``sample``: its positions are only a baseline."""
+    return WheelMotion(
+        sample.stamp_ns, sample.stamp_ns, sample.rates or ZERO, sample.positions or ZERO,
+        holds=sample.rates is not None, counted=sample.positions is not None)
+
+
+def shifted(motion: WheelMotion, step_ns: int) -> WheelMotion:
+    """Return the motion as it reads after the clock itself was stepped by ``step_ns``."""
+    return replace(
+        motion, anchor_ns=motion.anchor_ns + step_ns, last_ns=motion.last_ns + step_ns)
+
+
+def rolled(motion: WheelMotion, time_ns: int, timeout_ns: Optional[int]) -> Pair:
+    """
+    Return the angle [rad] rolled from the anchor to ``time_ns`` while the rates are held.
+
+    ``timeout_ns`` None means that the wheels never stop by themselves.
+    """
+    if timeout_ns is not None:
+        time_ns = min(time_ns, motion.last_ns + timeout_ns)
+    if not motion.holds or time_ns <= motion.anchor_ns:
+        return ZERO
+    seconds = (time_ns - motion.anchor_ns) / NANOSECONDS
+    return motion.rates[0] * seconds, motion.rates[1] * seconds
+
+
+def rates_at(motion: WheelMotion, time_ns: int, timeout_ns: Optional[int]) -> Pair:
+    """Return the wheel rates [rad/s] at ``time_ns``: 0 from the timeout on."""
+    if timeout_ns is not None and time_ns >= motion.last_ns + timeout_ns:
+        return ZERO
+    return motion.rates
+
+
+def receive(
+        motion: WheelMotion, sample: WheelSample, *, now_ns: int,
+        timeout_ns: Optional[int]) -> Received:
+    """
+    Return what the wheels did up to ``sample``, and the motion that follows it.
+
+    ``now_ns`` only serves to notice stamps from the future (a step of the clock).
+    """
+    tolerance = step_tolerance(timeout_ns)
+    stamp = sample.stamp_ns
+    if stamp < motion.anchor_ns - tolerance or stamp > now_ns + tolerance:
+        known = rolled(motion, motion.last_ns, timeout_ns)
+        return Received(first_motion(sample), known, Verdict.CLOCK_STEP)
+    if stamp <= motion.anchor_ns:
+        return Received(motion, ZERO, Verdict.OUT_OF_ORDER)
+    held = rolled(motion, stamp, timeout_ns)
+    travelled = held if sample.positions is None else _increment(motion, sample.positions)
+    silent = timeout_ns is not None and stamp > motion.last_ns + timeout_ns
+    if sample.rates == motion.rates and motion.holds and not silent and _same(
+            held, travelled, motion, sample):
+        renewed = replace(
+            motion, last_ns=max(motion.last_ns, stamp),
+            counted=motion.counted or sample.positions is not None)
+        return Received(renewed, ZERO, Verdict.REPEATED)
+    following = first_motion(sample)
+    if sample.rates is None:
+        seconds = (stamp - motion.anchor_ns) / NANOSECONDS
+        following = replace(
+            following, rates=(travelled[0] / seconds, travelled[1] / seconds))
+    return Received(following, travelled, Verdict.MOVED)
+
+
+def _increment(motion: WheelMotion, positions: Pair) -> Pair:
+    return positions[0] - motion.reference[0], positions[1] - motion.reference[1]
+
+
+def _same(held: Pair, travelled: Pair, motion: WheelMotion, sample: WheelSample) -> bool:
+    """
+    Tell whether the positions say what the held rates say, to their last digits.
+
+    A sample without positions after one with positions is a new publisher's baseline.
+    """
+    if sample.positions is None:
+        return not motion.counted
+    return all(
+        abs(a - b) <= 4.0 * math.ulp(max(abs(position), abs(reference)))
+        for a, b, position, reference in zip(
+            held, travelled, sample.positions, motion.reference))
