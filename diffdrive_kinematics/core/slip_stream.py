@@ -24,7 +24,6 @@ from dataclasses import dataclass, replace
 from typing import Optional, Tuple
 
 from diffdrive_kinematics.core.compensated import RunningSum
-from diffdrive_kinematics.core.geometry import WheelGeometry
 from diffdrive_kinematics.core.noise import effective_ratio, sample_travel, WheelSlip
 from diffdrive_kinematics.core.wheel_motion import (
     first_motion, Pair, receive, rolled, Verdict, WheelMotion, WheelSample)
@@ -42,8 +41,8 @@ class SlipStream:
 
     Parameters
     ----------
-    geometry : WheelGeometry
-        Radii that relate angle and travel.
+    radii : pair of float
+        Effective radii [m] that relate angle and travel.
     left_slip, right_slip : WheelSlip
         Bias and slip of the wheels.
     timeout_ns : int or None
@@ -59,7 +58,7 @@ class SlipStream:
 
     """
 
-    geometry: WheelGeometry
+    radii: Pair
     left_slip: WheelSlip
     right_slip: WheelSlip
     timeout_ns: Optional[int]
@@ -100,9 +99,9 @@ class SlipStream:
         nominal = (anchor_moved[0] + held[0] - self.ahead[0],
                    anchor_moved[1] + held[1] - self.ahead[1])
         left, left_ratio = _slip(
-            self.left_slip, nominal[0], self.geometry.left_radius, generator)
+            self.left_slip, nominal[0], self.radii[0], generator)
         right, right_ratio = _slip(
-            self.right_slip, nominal[1], self.geometry.right_radius, generator)
+            self.right_slip, nominal[1], self.radii[1], generator)
         stream = replace(
             self, motion=motion, ahead=held, told_ns=max(sample.stamp_ns, self.told_ns + 1),
             left=self.left.plus(left), right=self.right.plus(right))

@@ -37,7 +37,7 @@ from diffdrive_kinematics.core.checks import is_sane, LARGEST
 
 __all__ = [
     'Pair', 'Received', 'Verdict', 'WheelMotion', 'WheelSample', 'first_motion', 'rates_at',
-    'receive', 'rolled', 'shifted', 'step_tolerance']
+    'receive', 'rolled', 'shifted', 'step_tolerance', 'timeout_from_seconds']
 
 Pair = Tuple[float, float]
 ZERO: Pair = (0.0, 0.0)
@@ -106,6 +106,11 @@ class Received:
     motion: WheelMotion
     rolled: Pair
     verdict: Verdict
+
+
+def timeout_from_seconds(seconds: float) -> Optional[int]:
+    """Return a timeout [ns] from seconds; 0 means none."""
+    return round(seconds * NANOSECONDS) if seconds else None
 
 
 def step_tolerance(timeout_ns: Optional[int]) -> int:

@@ -1,0 +1,180 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""``command_sequence``: plays a list of commands, or a recording, as cmd_vel."""
+
+from dataclasses import dataclass
+from importlib import import_module
+from typing import Any, Dict, Mapping, Set
+
+from diffdrive_kinematics.core.playback import (
+    Course, course_from_commands, course_from_recording)
+from diffdrive_kinematics.core.sequence import Command
+from diffdrive_kinematics.nodes.clocks import period_ns
+from diffdrive_kinematics.nodes.messages import TwistMessage
+from diffdrive_kinematics.nodes.node import DiffDriveNode
+from diffdrive_kinematics.nodes.recordings import COMMAND_COLUMNS, read_columns
+from diffdrive_kinematics.nodes.running import main_of
+from diffdrive_kinematics.nodes.tables import COMMAND_SEQUENCE
+from geometry_msgs.msg import Twist, TwistStamped
+from rclpy.subscription import Subscription
+
+WAITING_REPORT_PERIOD_S = 5.0
+
+
+@dataclass(frozen=True)
+class Config:
+    """What the sequence is set to."""
+
+    course: Course
+    values: Mapping[str, Any]
+
+
+def build(values: Mapping[str, Any]) -> Config:
+    """Return the configuration of parameter values, or raise ``ValueError``."""
+    numbers, recording = values['commands'], values['recording']
+    if bool(numbers) == bool(recording):
+        raise ValueError(
+            f'commands is {list(numbers)!r} and recording is {recording!r}, expected one of them '
+            'to be set')
+    if recording:
+        try:
+            return Config(
+                course_from_recording(read_columns(recording, COMMAND_COLUMNS)), values)
+        except ValueError as error:
+            raise ValueError(f'recording is {recording!r}: {error}') from error
+    if len(numbers) % 3:
+        raise ValueError(
+            f'commands has {len(numbers)} numbers, expected three for each command: v, omega, '
+            'duration')
+    commands = [Command(*numbers[i:i + 3]) for i in range(0, len(numbers), 3)]
+    return Config(course_from_commands(commands), values)
+
+
+class CommandSequence(DiffDriveNode[Config]):
+    """
+    Sends zeros until it is heard, then each command at its time, then zero.
+
+    Stamps are the times at which commands should hold, start plus offset, whenever the message
+    is really sent; a controller with a ``stamp_tolerance`` then repeats the course exactly.
+    """
+
+    def __init__(self, name: str = 'command_sequence', **composition: Any) -> None:
+        super().__init__(name, COMMAND_SEQUENCE, build, **composition)
+        values = self.config.values
+        self._course = self.config.course
+        self._repeat_ns = period_ns(values['publish_rate'])
+        self._start_ns = -1
+        self._next = 0
+        self._message = TwistMessage(values['base_frame_id'])
+        self._stamped = values['enable_stamped_cmd_vel']
+        self._publisher = self.publisher(
+            TwistStamped if self._stamped else Twist, values['cmd_vel_topic'])
+        self._unanswered: Set[str] = {
+            self.resolve_topic_name(topic) for topic in values['wait_for_topics']}
+        self._answers: Dict[str, Subscription] = {}
+        self._timer = self.every(values['publish_rate'], self._tick)
+        if self._course.duplicates:
+            self.get_logger().warning(
+                f'{self._course.duplicates} rows of the recording have the time of the row after '
+                'them and are left out')
+
+    @property
+    def length_s(self) -> float:
+        """Return the duration of the course [s]."""
+        return self._course.length_ns / 1e9
+
+    def begun(self) -> bool:
+        """Return whether the course has begun."""
+        return self._start_ns >= 0
+
+    def elapsed_s(self) -> float:
+        """Return the time [s] since the course began, 0 before."""
+        return (self.now_ns() - self._start_ns) / 1e9 if self.begun() else 0.0
+
+    def _tick(self) -> None:
+        now_ns = self.now_ns()
+        if self.done:
+            return
+        if not self.begun():
+            self._send(now_ns, 0.0, 0.0)
+            if not self._is_heard():
+                return
+            self._start_ns = now_ns
+            self.get_logger().info(f'playing {self.length_s:.3f} s of commands')
+        self._play(now_ns)
+
+    def _play(self, now_ns: int) -> None:
+        """Send what is due, or repeat what holds; and wake up for whichever is next."""
+        due = self._course.due(self._next, now_ns - self._start_ns)
+        for twist in due:
+            self._send(self._start_ns + twist.offset_ns, twist.v, twist.w)
+        self._next += len(due)
+        if not due:
+            held = self._course.twists[self._next - 1]
+            self._send(now_ns, held.v, held.w)
+        if self._next == len(self._course.twists):
+            self._end()
+        next_ns = self._start_ns + self._course.twists[self._next].offset_ns
+        self._timer.timer_period_ns = min(self._repeat_ns, max(1, next_ns - now_ns))
+        self._timer.reset()
+
+    def _end(self) -> None:
+        self._next = 0
+        if self.config.values['loop']:
+            self._start_ns += self._course.length_ns
+            return
+        self.done = True
+        self.get_logger().info('the course is done')
+
+    def ready(self) -> bool:
+        """Return whether every topic to wait for exists and is listened to."""
+        for topic, types in self.get_topic_names_and_types():
+            if topic in self._unanswered and topic not in self._answers:
+                self._answers[topic] = self._listen(topic, types[0])
+        return self._unanswered <= set(self._answers)
+
+    def _is_heard(self) -> bool:
+        """Return whether somebody listens and all topics to wait for have answered."""
+        self.ready()
+        if not self._unanswered and self._publisher.get_subscription_count() > 0:
+            for subscription in self._answers.values():
+                self.unsubscribe(subscription)
+            return True
+        missing = sorted(self._unanswered) or [f'a subscriber of {self._publisher.topic_name}']
+        self.get_logger().info(
+            f"waiting for {', '.join(missing)}",
+            throttle_duration_sec=WAITING_REPORT_PERIOD_S, skip_first=True)
+        return False
+
+    def _listen(self, topic: str, type_name: str) -> Subscription:
+        """Return a subscription to a topic of whatever type until it answers."""
+        package, _, name = type_name.split('/')
+        message_type = getattr(import_module(f'{package}.msg'), name)
+        return self.subscribe(
+            message_type, topic, lambda _: self._unanswered.discard(topic), raw=True)
+
+    def _send(self, stamp_ns: int, v: float, w: float) -> None:
+        message = self._message.filled(stamp_ns, v, w)
+        self._publisher.publish(message if self._stamped else message.twist)
+
+    def close(self) -> None:
+        """Leave the robot with the command to stand still."""
+        self._send(self.now_ns(), 0.0, 0.0)
+
+
+main = main_of(CommandSequence)
+
+if __name__ == '__main__':
+    main()

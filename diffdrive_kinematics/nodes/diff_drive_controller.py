@@ -1,0 +1,167 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""``diff_drive_controller``: velocity commands in, wheel rates out, within limits."""
+
+from dataclasses import dataclass
+from typing import Any, List, Mapping
+
+from diffdrive_kinematics.core.drive import Drive, DriveSettings, DriveTelling, Twist
+from diffdrive_kinematics.nodes.messages import (
+    nanoseconds, TwistMessage, WheelCommandMessage, WheelMessage)
+from diffdrive_kinematics.nodes.node import DiffDriveNode
+from diffdrive_kinematics.nodes.running import main_of
+from diffdrive_kinematics.nodes.tables import (
+    axis_limits, check_wiring, DIFF_DRIVE_CONTROLLER, wheel_geometry)
+from geometry_msgs.msg import Twist as TwistMsg, TwistStamped
+from sensor_msgs.msg import JointState
+from std_msgs.msg import Float64MultiArray
+
+STILL = Twist(0.0, 0.0)
+TYPE_CHECK_PERIOD_NS = 2_000_000_000
+
+
+@dataclass(frozen=True)
+class Config:
+    """What the controller is set to."""
+
+    drive: DriveSettings
+    stamp_tolerance_ns: int
+    values: Mapping[str, Any]
+
+
+def build(values: Mapping[str, Any]) -> Config:
+    """Return the configuration of parameter values, or raise ``ValueError``."""
+    check_wiring(values, 'cmd_vel_topic', (
+        'wheel_rates_topic', 'cmd_vel_out_topic', 'wheel_commands_topic'))
+    settings = DriveSettings(
+        wheel_geometry(values), axis_limits(values, 'linear.x'), axis_limits(values, 'angular.z'),
+        max_wheel_rate=values['max_wheel_rate'], cmd_vel_timeout=values['cmd_vel_timeout'],
+        publish_rate=values['publish_rate'])
+    return Config(settings, round(values['stamp_tolerance'] * 1e9), values)
+
+
+class DiffDriveController(DiffDriveNode[Config]):
+    """Answers each command at once; a timer repeats the rates, ramps and times out."""
+
+    def __init__(self, name: str = 'diff_drive_controller', **composition: Any) -> None:
+        super().__init__(name, DIFF_DRIVE_CONTROLLER, build, **composition)
+        values = self.config.values
+        names = values['left_wheel_names'], values['right_wheel_names']
+        self._wheels = WheelMessage(*names)
+        self._wheel_commands = WheelCommandMessage(*names)
+        self._twist = TwistMessage(values['base_frame_id'])
+        self._drive = Drive(self.config.drive, self.now_ns())
+        self._told_ns = -1
+        self._heard_command = False
+        self._next_type_check_ns = self.now_ns() + TYPE_CHECK_PERIOD_NS
+        self._wheels_publisher = self.publisher(JointState, values['wheel_rates_topic'])
+        topic = values['wheel_commands_topic']
+        self._commands_publisher = self.publisher(Float64MultiArray, topic) if topic else None
+        limited = values['publish_limited_velocity']
+        self._twist_publisher = self.publisher(
+            TwistStamped, values['cmd_vel_out_topic']) if limited else None
+        self._stamped = values['enable_stamped_cmd_vel']
+        self.subscribe(
+            TwistStamped if self._stamped else TwistMsg, values['cmd_vel_topic'],
+            self._on_command)
+        self._timer = self.every(values['publish_rate'], self._tick)
+        self.parameters.on_change(self._configure)
+
+    def command_type(self) -> str:
+        """Return the type of the commands that the controller listens to."""
+        return f"geometry_msgs/msg/{'TwistStamped' if self._stamped else 'Twist'}"
+
+    def command_topic(self) -> str:
+        """Return the resolved name of the topic that the controller listens to."""
+        return self.resolve_topic_name(self.config.values['cmd_vel_topic'])
+
+    def _on_command(self, message: Any) -> None:
+        now_ns = self._synchronised_now()
+        self._heard_command = True
+        stamp_ns, twist = now_ns, message
+        if self._stamped:
+            twist = message.twist
+            own_ns = nanoseconds(message.header.stamp)
+            if 0 <= now_ns - own_ns <= self.config.stamp_tolerance_ns and own_ns:
+                stamp_ns = own_ns
+        try:
+            self._command(Twist(twist.linear.x, twist.angular.z), stamp_ns)
+        except ValueError:
+            self._command(STILL, now_ns)
+            raise
+
+    def _command(self, twist: Twist, stamp_ns: int) -> None:
+        self._drive, changes = self._drive.commanded(twist, stamp_ns)
+        self._tell(changes)
+
+    def _tick(self) -> None:
+        now_ns = self._synchronised_now()
+        self._drive, changes = self._drive.advanced(now_ns)
+        told = self._drive.told(now_ns)
+        self._tell(changes if told.stamp_ns == self._last(changes) else [*changes, told])
+        if not self._heard_command and now_ns >= self._next_type_check_ns:
+            self._next_type_check_ns = now_ns + TYPE_CHECK_PERIOD_NS
+            self._report_other_type()
+
+    def _last(self, changes: List[DriveTelling]) -> int:
+        return changes[-1].stamp_ns if changes else self._told_ns
+
+    def _tell(self, tellings: List[DriveTelling]) -> None:
+        """Publish; the first message has no positions and is the baseline for the others'."""
+        for telling in tellings:
+            first = self._told_ns < 0
+            self._told_ns = telling.stamp_ns
+            self._wheels_publisher.publish(self._wheels.filled(
+                telling.stamp_ns, telling.rates, None if first else telling.angles))
+            if self._commands_publisher:
+                self._commands_publisher.publish(self._wheel_commands.filled(telling.rates))
+            if self._twist_publisher:
+                self._twist_publisher.publish(
+                    self._twist.filled(telling.stamp_ns, *telling.twist))
+
+    def _synchronised_now(self) -> int:
+        """Return the time, with the drive moved along where the clock itself was stepped."""
+        now_ns, step_ns = self.now_and_step()
+        if step_ns:
+            self._drive = self._drive.clock_stepped(step_ns)
+        return now_ns
+
+    def _configure(self, config: Config) -> None:
+        self._drive, changes = self._drive.configured(config.drive, self._synchronised_now())
+        self._tell(changes)
+        self._timer = self.retimed(self._timer, config.drive.publish_rate, self._tick)
+
+    def _report_other_type(self) -> None:
+        """Say so where commands are published in the type that is not listened to."""
+        others = {
+            info.topic_type for info in self.get_publishers_info_by_topic(self.command_topic())
+        } - {self.command_type()}
+        if others:
+            self.get_logger().warning(
+                f"'{self.command_topic()}' carries {', '.join(sorted(others))}, expected "
+                f'{self.command_type()}: is enable_stamped_cmd_vel (now '
+                f'{str(self._stamped).lower()}) set as it should be?')
+
+    def close(self) -> None:
+        """Leave the wheels with the command to stand still."""
+        now_ns = self._synchronised_now()
+        telling = self._drive.told(now_ns)
+        self._tell([telling._replace(rates=(0.0, 0.0), twist=STILL)])
+
+
+main = main_of(DiffDriveController)
+
+if __name__ == '__main__':
+    main()

@@ -1,0 +1,184 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""``diffdrive_sim``: the nodes of the package in one process, on one executor."""
+
+from dataclasses import dataclass
+import sys
+from typing import Any, Dict, List, Mapping, Tuple
+
+from diffdrive_kinematics.nodes.clocks import SteppedClock
+from diffdrive_kinematics.nodes.command_sequence import CommandSequence
+from diffdrive_kinematics.nodes.diff_drive_controller import DiffDriveController
+from diffdrive_kinematics.nodes.node import DiffDriveNode
+from diffdrive_kinematics.nodes.report import drift_table, progress_line, Robot
+from diffdrive_kinematics.nodes.running import make_executor, run, spin, Stop
+from diffdrive_kinematics.nodes.share import share_directory
+from diffdrive_kinematics.nodes.simulated_base import SimulatedBase
+from diffdrive_kinematics.nodes.stepping import Stepper
+from diffdrive_kinematics.nodes.tables import DIFFDRIVE_SIM
+from diffdrive_kinematics.nodes.traffic import Traffic
+from diffdrive_kinematics.nodes.wheel_noise import WheelNoise
+
+CLASSES = {
+    'diff_drive_controller': DiffDriveController, 'wheel_noise': WheelNoise,
+    'simulated_base': SimulatedBase, 'command_sequence': CommandSequence}
+PROGRESS_LINES = 10
+REST_TIMEOUT_NS = 5_000_000_000
+
+
+@dataclass(frozen=True)
+class Member:
+    """A node to compose: its class, its name, and the namespace where the name has one."""
+
+    kind: str
+    name: str
+    namespace: str
+
+
+@dataclass(frozen=True)
+class Config:
+    """What the composition is set to."""
+
+    members: Tuple[Member, ...]
+    clock_step_ns: int
+    real_time_factor: float
+
+
+def build(values: Mapping[str, Any]) -> Config:
+    """Return the configuration of parameter values, or raise ``ValueError``."""
+    members = tuple(map(_member, values['nodes']))
+    if not members:
+        raise ValueError(f"nodes is empty, expected 'class' or 'class:name' of {list(CLASSES)}")
+    names = [(member.namespace, member.name) for member in members]
+    if len(set(names)) != len(names):
+        raise ValueError(f"nodes is {list(values['nodes'])!r}, expected different names")
+    return Config(members, round(values['clock_step'] * 1e9), values['real_time_factor'])
+
+
+def _member(text: str) -> Member:
+    kind, _, path = text.partition(':')
+    namespace, _, name = (path or kind).rpartition('/')
+    if kind not in CLASSES or not name:
+        raise ValueError(
+            f"nodes has {text!r}, expected 'class' or 'class:name', class one of {list(CLASSES)}")
+    return Member(kind, name, namespace)
+
+
+class DiffDriveSim(DiffDriveNode[Config]):
+    """Makes the other nodes, and reports where the robot believes to be and where it is."""
+
+    def __init__(self) -> None:
+        super().__init__('diffdrive_sim', DIFFDRIVE_SIM, build)
+        shared: Dict[str, Any] = {}
+        if self.config.clock_step_ns:
+            shared = {'stepped': SteppedClock(), 'traffic': Traffic()}
+        self.members: List[DiffDriveNode] = [
+            CLASSES[member.kind](member.name, namespace=member.namespace, **shared)
+            for member in self.config.members]
+        self.stepper = Stepper(
+            self, self.members, step_ns=self.config.clock_step_ns,
+            real_time_factor=self.config.real_time_factor, **shared) if shared else None
+        self._sequences: List[CommandSequence] = self._of(CommandSequence)
+        self._shown = -1
+        self._rest_by_ns = 0
+
+    def _of(self, kind: type) -> List[Any]:
+        return [node for node in self.members if isinstance(node, kind)]
+
+    def run(self, stop: Stop) -> None:
+        """Run until the sequences are done and the robot rests, or until asked to stop."""
+        executor = make_executor([self, *self.members])
+        try:
+            self._announce()
+            (self.stepper.spin if self.stepper else spin)(executor, self._finished, stop)
+            for node in self.members:
+                node.close()
+                node.flush()
+        finally:
+            executor.shutdown()
+
+    def finished(self) -> bool:
+        """Return whether there was a course, and it is done."""
+        return bool(self._sequences) and all(node.done for node in self._sequences)
+
+    def robots(self) -> List[Robot]:
+        """Return the bases; one that is fed with noise, beside one that is not, is the truth."""
+        noisy = {
+            node.resolve_topic_name(node.config.values['output_topic'])
+            for node in self._of(WheelNoise)}
+        bases = [
+            (base, base.resolve_topic_name(base.config.values['wheel_motion_topic']) in noisy)
+            for base in self._of(SimulatedBase)]
+        with_truth = len({fed for _, fed in bases}) == 2
+        return [
+            Robot(base.get_fully_qualified_name(), 'truth' if fed and with_truth else 'belief',
+                  base.reading().pose) for base, fed in bases]
+
+    def _finished(self) -> bool:
+        """Show progress, and tell whether the course is done and the robot at rest."""
+        if not self._sequences:
+            return False
+        course = max(self._sequences, key=lambda node: node.length_s)
+        shown = int(PROGRESS_LINES * course.elapsed_s() / course.length_s)
+        if course.begun() and shown != self._shown and shown <= PROGRESS_LINES:
+            self._shown = shown
+            print(progress_line(course.elapsed_s(), course.length_s, self.robots()), flush=True)
+        if not self.finished():
+            return False
+        now_ns = course.now_ns()
+        self._rest_by_ns = self._rest_by_ns or now_ns + REST_TIMEOUT_NS
+        return now_ns > self._rest_by_ns or all(
+            base.reading().rates == (0.0, 0.0) for base in self._of(SimulatedBase))
+
+    def _announce(self) -> None:
+        """Say how to drive where nothing in this process does."""
+        if self._sequences:
+            return
+        for node in self._of(DiffDriveController):
+            self.get_logger().info(
+                f"publish {node.command_type()} on '{node.command_topic()}' to drive; Ctrl-C "
+                'ends')
+
+
+def work(stop: Stop) -> int:
+    """Compose, run and report; return the exit status."""
+    sim = DiffDriveSim()
+    try:
+        sim.run(stop)
+        if sim.finished():
+            print(drift_table(sim.robots()), flush=True)
+            if sim.stepper and not sim.config.real_time_factor:
+                print(f'{sim.stepper.rate():.0f} times real time', flush=True)
+    finally:
+        for node in [*sim.members, sim]:
+            node.destroy_node()
+    return 0
+
+
+def arguments(argv: List[str]) -> List[str]:
+    """Return the command line, with the demo's parameters where it names no params file."""
+    if '--params-file' in argv:
+        return argv
+    demo = share_directory() / 'config' / 'demo.yaml'
+    return [argv[0], '--ros-args', '--params-file', str(demo), '--', *argv[1:]]
+
+
+def main() -> None:
+    """Run ``diffdrive_sim``."""
+    sys.exit(run(work, arguments(sys.argv)))
+
+
+if __name__ == '__main__':
+    main()

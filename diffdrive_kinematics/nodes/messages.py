@@ -1,0 +1,196 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""
+Conversions between ROS messages and the core's values.
+
+Messages are built once and refilled.  rclpy does not check field types unless
+ROS_PYTHON_CHECK_FIELDS=1, so every number is put in as a float.
+"""
+
+import math
+from typing import Callable, List, Optional, Sequence, Tuple
+
+from builtin_interfaces.msg import Time
+from diffdrive_kinematics.core.odometry import BaseReading
+from diffdrive_kinematics.core.wheel_motion import Pair, WheelSample
+from geometry_msgs.msg import TwistStamped
+from nav_msgs.msg import Odometry
+from sensor_msgs.msg import JointState
+from std_msgs.msg import Float64MultiArray
+
+__all__ = [
+    'OdometryMessage', 'TwistMessage', 'WheelCommandMessage', 'WheelMessage', 'WheelReader',
+    'nanoseconds', 'set_stamp']
+
+NANOSECONDS = 1_000_000_000
+
+
+def nanoseconds(stamp: Time) -> int:
+    """Return a stamp as an integer of nanoseconds."""
+    return stamp.sec * NANOSECONDS + stamp.nanosec
+
+
+def set_stamp(stamp: Time, time_ns: int) -> None:
+    """Write a time [ns] into a stamp."""
+    stamp.sec, stamp.nanosec = divmod(time_ns, NANOSECONDS)
+
+
+class WheelReader:
+    """
+    Reads wheel motion from JointState: joints in any order, several wheels a side.
+
+    A side's rate and position are the means over its wheels.
+    """
+
+    def __init__(
+            self, left_names: Sequence[str], right_names: Sequence[str], *,
+            positions: bool = True) -> None:
+        self._sides = (tuple(left_names), tuple(right_names))
+        self._with_positions = positions
+        self._known_names: List[str] = []
+        self._indices: Tuple[Tuple[int, ...], Tuple[int, ...]] = ((), ())
+
+    def read(
+            self, message: JointState, now_ns: Callable[[], int]) -> Optional[WheelSample]:
+        """
+        Return the wheel sample of a message; None where none of our joints is in it.
+
+        A zero stamp means now.  Values that are NaN for all our joints count as absent, since
+        joint_state_broadcaster fills in NaN for what a robot does not measure.
+
+        Raises
+        ------
+        ValueError
+            If some of our joints are missing, lengths do not match, or values are not finite.
+
+        """
+        if message.name != self._known_names:
+            indices = self._find(message.name)
+            if indices is None:
+                return None
+            self._indices, self._known_names = indices, list(message.name)
+        rates = self._pair('velocity', message.velocity)
+        positions = self._pair('position', message.position) if self._with_positions else None
+        if rates is not None and positions is not None:
+            rates = None if _is_nan(rates) else rates
+            positions = None if _is_nan(positions) and rates else positions
+        return WheelSample(nanoseconds(message.header.stamp) or now_ns(), rates, positions)
+
+    def _find(
+            self, names: Sequence[str]) -> Optional[Tuple[Tuple[int, ...], Tuple[int, ...]]]:
+        wanted = self._sides[0] + self._sides[1]
+        missing = [name for name in wanted if name not in names]
+        if len(missing) == len(wanted):
+            return None
+        if missing:
+            raise ValueError(f'name is {list(names)!r}, expected also {missing!r}')
+        names = list(names)
+        left, right = (tuple(names.index(name) for name in side) for side in self._sides)
+        return left, right
+
+    def _pair(self, field: str, values: Sequence[float]) -> Optional[Pair]:
+        if not values:
+            return None
+        if len(values) != len(self._known_names):
+            raise ValueError(
+                f'{field} has {len(values)} values, expected {len(self._known_names)}, one for '
+                'each name')
+        left, right = (
+            math.fsum(values[i] for i in side) / len(side) for side in self._indices)
+        return left, right
+
+
+def _is_nan(pair: Pair) -> bool:
+    return math.isnan(pair[0]) and math.isnan(pair[1])
+
+
+class WheelMessage:
+    """A JointState for all wheels that is filled anew for each sample."""
+
+    def __init__(self, left_names: Sequence[str], right_names: Sequence[str]) -> None:
+        self._counts = (len(left_names), len(right_names))
+        self.message = JointState(name=[*left_names, *right_names])
+
+    def filled(
+            self, stamp_ns: int, rates: Optional[Pair], positions: Optional[Pair]) -> JointState:
+        """Return the message with a stamp, rates [rad/s] and positions [rad]; None: absent."""
+        set_stamp(self.message.header.stamp, stamp_ns)
+        self.message.velocity = self._values(rates)
+        self.message.position = self._values(positions)
+        return self.message
+
+    def _values(self, pair: Optional[Pair]) -> List[float]:
+        if pair is None:
+            return []
+        return [float(pair[0])] * self._counts[0] + [float(pair[1])] * self._counts[1]
+
+
+class WheelCommandMessage:
+    """A Float64MultiArray of wheel rates, left wheels then right wheels."""
+
+    def __init__(self, left_names: Sequence[str], right_names: Sequence[str]) -> None:
+        self._counts = (len(left_names), len(right_names))
+        self.message = Float64MultiArray()
+
+    def filled(self, rates: Pair) -> Float64MultiArray:
+        """Return the message with rates [rad/s]."""
+        self.message.data = (
+            [float(rates[0])] * self._counts[0] + [float(rates[1])] * self._counts[1])
+        return self.message
+
+
+class TwistMessage:
+    """A TwistStamped in a frame."""
+
+    def __init__(self, frame_id: str) -> None:
+        self.message = TwistStamped()
+        self.message.header.frame_id = frame_id
+
+    def filled(self, stamp_ns: int, v: float, w: float) -> TwistStamped:
+        """Return the message with a stamp and a twist [m/s, rad/s]."""
+        set_stamp(self.message.header.stamp, stamp_ns)
+        self.message.twist.linear.x = float(v)
+        self.message.twist.angular.z = float(w)
+        return self.message
+
+
+class OdometryMessage:
+    """
+    An Odometry with its frames and covariance diagonals (x, y, z, roll, pitch, yaw).
+
+    The pose is in ``frame_id``, the twist in ``child_frame_id`` (nav_msgs/Odometry).
+    """
+
+    def __init__(self, frame_id: str, child_frame_id: str) -> None:
+        self.message = Odometry(child_frame_id=child_frame_id)
+        self.message.header.frame_id = frame_id
+
+    def set_covariances(self, pose: Sequence[float], twist: Sequence[float]) -> None:
+        """Set the variances of pose and twist, six each."""
+        self.message.pose.covariance[::7] = pose
+        self.message.twist.covariance[::7] = twist
+
+    def filled(self, stamp_ns: int, reading: BaseReading) -> Odometry:
+        """Return the message with a stamp and what the base reads."""
+        set_stamp(self.message.header.stamp, stamp_ns)
+        pose = self.message.pose.pose
+        pose.position.x = float(reading.pose.x)
+        pose.position.y = float(reading.pose.y)
+        pose.orientation.z = math.sin(0.5 * reading.pose.theta)
+        pose.orientation.w = math.cos(0.5 * reading.pose.theta)
+        twist = self.message.twist.twist
+        twist.linear.x = float(reading.twist[0])
+        twist.angular.z = float(reading.twist[1])
+        return self.message

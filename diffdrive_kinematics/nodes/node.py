@@ -1,0 +1,168 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Base class of the package's nodes: time, parameters, refusals, and an orderly end."""
+
+from collections import Counter
+from typing import Any, Callable, Generic, Mapping, Optional, Tuple, TypeVar
+
+from diffdrive_kinematics.nodes.clocks import period_ns, SteppedClock, StepWatch
+from diffdrive_kinematics.nodes.parameters import ParameterSet
+from diffdrive_kinematics.nodes.tables import Entry
+from diffdrive_kinematics.nodes.traffic import Traffic
+from rclpy.clock import Clock
+from rclpy.clock_type import ClockType
+from rclpy.duration import Duration
+from rclpy.node import Node
+from rclpy.publisher import Publisher
+from rclpy.subscription import Subscription
+
+__all__ = ['DiffDriveNode']
+
+Config = TypeVar('Config')
+QUEUE_DEPTH = 10
+REPORT_PERIOD_S = 1.0
+FLUSH_TIMEOUT_S = 1.0
+
+
+class DiffDriveNode(Node, Generic[Config]):
+    """
+    A node with a parameter table, on real, simulated or stepped time.
+
+    Parameters
+    ----------
+    name, namespace : str
+        Of the node.
+    table, build :
+        As for ``ParameterSet``.
+    stepped : SteppedClock, optional
+        Shared clock of a process that steps its time; replaces the node's own.
+    traffic : Traffic, optional
+        Counts messages between the nodes of such a process.
+
+    Raises
+    ------
+    ConfigurationError
+        If the parameters do not make a configuration.
+
+    """
+
+    def __init__(
+            self, name: str, table: Tuple[Entry, ...],
+            build: Callable[[Mapping[str, Any]], Config], *, namespace: str = '',
+            stepped: Optional[SteppedClock] = None, traffic: Optional[Traffic] = None) -> None:
+        super().__init__(name, namespace=namespace or None)
+        self._stepped = stepped
+        self._traffic = traffic
+        self.time_clock: Clock = stepped.ros_clock if stepped else self.get_clock()
+        self._step_watch = StepWatch(self.time_clock)
+        self.counts: 'Counter[str]' = Counter()
+        self.done = False
+        self.parameters: ParameterSet[Config] = ParameterSet(self, table, build)
+
+    @property
+    def config(self) -> Config:
+        """Return the configuration in force."""
+        return self.parameters.config
+
+    def now_ns(self) -> int:
+        """Return the time [ns] on the node's clock."""
+        return self._stepped.now_ns() if self._stepped else self.time_clock.now().nanoseconds
+
+    def now_and_step(self) -> Tuple[int, int]:
+        """Return the time [ns], and by how much the clock was stepped since the last call."""
+        now_ns = self.now_ns()
+        step_ns = self._step_watch.step_since_last(now_ns)
+        if step_ns:
+            self.counts['clock steps'] += 1
+            self.get_logger().warning(f'the clock was stepped by {step_ns / 1e9:.3f} s')
+        return now_ns, step_ns
+
+    def every(self, rate: float, callback: Callable[[], None]) -> Any:
+        """
+        Return a timer that calls back at a rate [Hz].
+
+        Real time is kept by the steady clock: a wall clock that is stepped back would stall a
+        timer of the node's own clock (rclpy issue 1490).
+        """
+        if self._stepped:
+            return self._stepped.create_timer(period_ns(rate), callback)
+        clock = self.time_clock
+        if not clock.ros_time_is_active:
+            clock = Clock(clock_type=ClockType.STEADY_TIME)
+        return self.create_timer(period_ns(rate) / 1e9, callback, clock=clock)
+
+    def retimed(self, timer: Any, rate: float, callback: Callable[[], None]) -> Any:
+        """Return the timer, or one in its place where it has another rate [Hz]."""
+        if timer.timer_period_ns == period_ns(rate):
+            return timer
+        timer.cancel()
+        if not self._stepped:
+            self.destroy_timer(timer)
+        return self.every(rate, callback)
+
+    def publisher(self, message_type: type, topic: str) -> Publisher:
+        """Return a reliable publisher."""
+        publisher = self.create_publisher(message_type, topic, QUEUE_DEPTH)
+        if self._traffic:
+            self._traffic.count_sent(publisher)
+        return publisher
+
+    def subscribe(
+            self, message_type: type, topic: str, callback: Callable[[Any], None], *,
+            raw: bool = False) -> Subscription:
+        """
+        Return a reliable subscription; ``raw`` hands the callback serialised messages.
+
+        A ``ValueError`` of the callback refuses the message: it is counted and reported, and
+        the node lives on.
+        """
+        def guarded(message: Any) -> None:
+            try:
+                callback(message)
+            except ValueError as error:
+                self.refuse(f"message on '{topic}': {error}")
+            finally:
+                if self._traffic:
+                    self._traffic.received(resolved)
+
+        resolved = self.resolve_topic_name(topic)
+        if self._traffic:
+            self._traffic.add_listener(resolved)
+        return self.create_subscription(message_type, topic, guarded, QUEUE_DEPTH, raw=raw)
+
+    def unsubscribe(self, subscription: Subscription) -> None:
+        """Destroy a subscription."""
+        if self._traffic:
+            self._traffic.remove_listener(subscription.topic_name)
+        self.destroy_subscription(subscription)
+
+    def refuse(self, reason: str) -> None:
+        """Count and report what was refused; at most one report a second."""
+        self.counts['refused'] += 1
+        self.get_logger().error(
+            f"refused {reason} ({self.counts['refused']} so far)",
+            throttle_duration_sec=REPORT_PERIOD_S)
+
+    def ready(self) -> bool:
+        """Return whether the node has all it can have before time begins to pass."""
+        return True
+
+    def flush(self) -> None:
+        """Wait until everybody who listens has what was published."""
+        for publisher in self.publishers:
+            publisher.wait_for_all_acked(Duration(seconds=FLUSH_TIMEOUT_S))
+
+    def close(self) -> None:
+        """Say what must be said before the node goes; called once, while it still can."""

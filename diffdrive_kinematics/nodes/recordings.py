@@ -1,0 +1,60 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Recordings in CSV files, plain or gzipped."""
+
+import csv
+import gzip
+from pathlib import Path
+from typing import List, Sequence, Tuple
+
+__all__ = ['COMMAND_COLUMNS', 'read_columns']
+
+COMMAND_COLUMNS = ('time_sec', 'linear_x', 'angular_z')
+
+
+def read_columns(path: str, columns: Sequence[str]) -> List[Tuple[float, ...]]:
+    """
+    Return the named columns of a CSV file with a header, one tuple a row.
+
+    Raises
+    ------
+    ValueError
+        If the file cannot be read, a column is missing, or a field is not a number; the message
+        names the file, and the row (counted from 1 without the header).
+
+    """
+    open_text = gzip.open if Path(path).suffix == '.gz' else open
+    try:
+        with open_text(path, 'rt', encoding='utf-8', newline='') as file:
+            reader = csv.DictReader(file)
+            missing = [name for name in columns if name not in (reader.fieldnames or ())]
+            if missing:
+                raise ValueError(
+                    f'{path} has the columns {reader.fieldnames!r}, expected also {missing!r}')
+            return [_numbers(path, number, row, columns)
+                    for number, row in enumerate(reader, start=1)]
+    except (OSError, EOFError, UnicodeDecodeError, csv.Error) as error:
+        raise ValueError(f'{path} cannot be read as CSV: {error}') from error
+
+
+def _numbers(
+        path: str, number: int, row: 'dict[str, str]', columns: Sequence[str]
+) -> Tuple[float, ...]:
+    try:
+        return tuple(float(row[name]) for name in columns)
+    except (TypeError, ValueError):
+        fields = [row[name] for name in columns]
+        raise ValueError(
+            f'{path}, row {number}: {fields!r}, expected numbers in {list(columns)!r}') from None

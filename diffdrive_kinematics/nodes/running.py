@@ -1,0 +1,109 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""
+The executor of the package, and how an executable runs and ends.
+
+``EventsExecutor`` costs half of ``SingleThreadedExecutor`` per callback, and exists since rclpy
+7.1.4.  It must be driven with a finite timeout: without one it can busy-wait and starve its
+callbacks.  Where it is missing, SingleThreadedExecutor takes its place.
+"""
+
+import signal
+import sys
+from typing import Callable, Iterable, List, Optional
+
+from diffdrive_kinematics.nodes.node import DiffDriveNode
+from diffdrive_kinematics.nodes.parameters import ConfigurationError
+import rclpy
+from rclpy.executors import Executor, ExternalShutdownException, SingleThreadedExecutor
+from rclpy.impl.implementation_singleton import rclpy_implementation
+from rclpy.signals import SignalHandlerOptions
+
+__all__ = ['Stop', 'main_of', 'make_executor', 'run', 'spin']
+
+SPIN_TIMEOUT_S = 0.1
+CONFIGURATION_ERROR = 2
+
+
+class Stop:
+    """Turns true on SIGINT and SIGTERM, so that nodes can still publish their last words."""
+
+    def __init__(self) -> None:
+        self._asked = False
+        for number in (signal.SIGINT, signal.SIGTERM):
+            signal.signal(number, self._ask)
+
+    def __bool__(self) -> bool:
+        """Return whether the process was asked to stop."""
+        return self._asked
+
+    def _ask(self, *_: object) -> None:
+        self._asked = True
+
+
+def make_executor(nodes: Iterable[DiffDriveNode]) -> Executor:
+    """Return the executor of the package with nodes added to it."""
+    try:
+        from rclpy.experimental import EventsExecutor
+        executor = EventsExecutor()
+    except ImportError:
+        executor = SingleThreadedExecutor()
+    for node in nodes:
+        executor.add_node(node)
+    return executor
+
+
+def spin(executor: Executor, finished: Callable[[], bool], stop: Stop) -> None:
+    """Spin until finished or asked to stop."""
+    while not stop and not finished():
+        executor.spin_once(timeout_sec=SPIN_TIMEOUT_S)
+
+
+def run(work: Callable[[Stop], int], args: Optional[List[str]] = None) -> int:
+    """Initialise rclpy, do ``work``, and return its exit status, whatever ends it."""
+    stop = Stop()
+    try:
+        rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
+        return work(stop)
+    except rclpy_implementation.RCLError as error:
+        print(f'diffdrive_kinematics: {error}', file=sys.stderr)
+        return CONFIGURATION_ERROR
+    except ConfigurationError as error:
+        rclpy.logging.get_logger('diffdrive_kinematics').fatal(str(error))
+        return CONFIGURATION_ERROR
+    except (KeyboardInterrupt, ExternalShutdownException):
+        return 0
+    finally:
+        rclpy.try_shutdown()
+
+
+def main_of(make: Callable[[], DiffDriveNode]) -> Callable[[], None]:
+    """Return the ``main`` of an executable that runs one node."""
+    def work(stop: Stop) -> int:
+        node = make()
+        executor = make_executor([node])
+        try:
+            spin(executor, lambda: node.done, stop)
+            node.close()
+            node.flush()
+        finally:
+            executor.shutdown()
+            node.destroy_node()
+        return 0
+
+    def main() -> None:
+        sys.exit(run(work))
+
+    return main

@@ -1,0 +1,128 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""``simulated_base``: wheel motion in, odometry, joint states and tf out."""
+
+from dataclasses import dataclass
+from typing import Any, Mapping, Optional
+
+from diffdrive_kinematics.core import odometry as core
+from diffdrive_kinematics.core.arc import Pose
+from diffdrive_kinematics.core.geometry import WheelGeometry
+from diffdrive_kinematics.core.wheel_motion import timeout_from_seconds, Verdict
+from diffdrive_kinematics.nodes.messages import OdometryMessage, WheelMessage, WheelReader
+from diffdrive_kinematics.nodes.node import DiffDriveNode
+from diffdrive_kinematics.nodes.running import main_of
+from diffdrive_kinematics.nodes.tables import check_wiring, SIMULATED_BASE, wheel_geometry
+from diffdrive_kinematics.nodes.tf import TransformPublisher
+from nav_msgs.msg import Odometry
+from sensor_msgs.msg import JointState
+
+WAITING_REPORT_PERIOD_S = 10.0
+
+
+@dataclass(frozen=True)
+class Config:
+    """What the base is set to."""
+
+    geometry: WheelGeometry
+    timeout_ns: Optional[int]
+    values: Mapping[str, Any]
+
+
+def build(values: Mapping[str, Any]) -> Config:
+    """Return the configuration of parameter values, or raise ``ValueError``."""
+    check_wiring(values, 'wheel_motion_topic', ('odom_topic', 'joint_states_topic'))
+    return Config(
+        wheel_geometry(values), timeout_from_seconds(values['command_timeout']), values)
+
+
+class SimulatedBase(DiffDriveNode[Config]):
+    """
+    Integrates wheel motion, and publishes at a rate that has no influence on the result.
+
+    It publishes from the first wheel motion on: odometry means that the wheels are heard.
+    """
+
+    def __init__(self, name: str = 'simulated_base', **composition: Any) -> None:
+        super().__init__(name, SIMULATED_BASE, build, **composition)
+        values = self.config.values
+        names = values['left_wheel_names'], values['right_wheel_names']
+        self._reader = WheelReader(*names, positions=values['position_feedback'])
+        self._odometry = core.Odometry.starting_at(
+            Pose(*values['initial_pose']), geometry=self.config.geometry,
+            timeout_ns=self.config.timeout_ns)
+        self._wheels = WheelMessage(*names)
+        self._message = OdometryMessage(values['odom_frame_id'], values['base_frame_id'])
+        self._set_covariances(values)
+        topic = values['odom_topic']
+        self._publisher = self.publisher(Odometry, topic) if topic else None
+        topic = values['joint_states_topic']
+        self._joints_publisher = self.publisher(JointState, topic) if topic else None
+        self._transform = TransformPublisher(self) if values['enable_odom_tf'] else None
+        self.subscribe(JointState, values['wheel_motion_topic'], self._on_wheels)
+        self._timer = self.every(values['publish_rate'], self._tick)
+        self.parameters.on_change(self._configure)
+
+    def reading(self) -> core.BaseReading:
+        """Return the base as it is now."""
+        return self._odometry.at(self._synchronised_now())
+
+    def _on_wheels(self, message: JointState) -> None:
+        now_ns = self._synchronised_now()
+        sample = self._reader.read(message, lambda: now_ns)
+        if sample is None:
+            return
+        self._odometry, verdict = self._odometry.received(sample, now_ns)
+        if verdict in (Verdict.OUT_OF_ORDER, Verdict.CLOCK_STEP):
+            self.counts[verdict.value] += 1
+
+    def _tick(self) -> None:
+        now_ns = self._synchronised_now()
+        if self._odometry.motion is None:
+            topic = self.config.values['wheel_motion_topic']
+            self.get_logger().info(
+                f"waiting for wheel motion of our joints on '{topic}'",
+                throttle_duration_sec=WAITING_REPORT_PERIOD_S, skip_first=True)
+            return
+        reading = self._odometry.at(now_ns)
+        if self._publisher:
+            self._publisher.publish(self._message.filled(now_ns, reading))
+        if self._joints_publisher:
+            self._joints_publisher.publish(
+                self._wheels.filled(now_ns, reading.rates, reading.angles))
+        if self._transform:
+            self._transform.publish(self._message.filled(now_ns, reading))
+
+    def _synchronised_now(self) -> int:
+        now_ns, step_ns = self.now_and_step()
+        if step_ns:
+            self._odometry = self._odometry.clock_stepped(step_ns)
+        return now_ns
+
+    def _set_covariances(self, values: Mapping[str, Any]) -> None:
+        self._message.set_covariances(
+            values['pose_covariance_diagonal'], values['twist_covariance_diagonal'])
+
+    def _configure(self, config: Config) -> None:
+        now_ns = self._synchronised_now()
+        self._odometry = self._odometry.configured(config.geometry, config.timeout_ns, now_ns)
+        self._set_covariances(config.values)
+        self._timer = self.retimed(self._timer, config.values['publish_rate'], self._tick)
+
+
+main = main_of(SimulatedBase)
+
+if __name__ == '__main__':
+    main()

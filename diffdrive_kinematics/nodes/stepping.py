@@ -1,0 +1,140 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""
+Fast mode: time moves in fixed steps, as fast as the nodes of the process can follow.
+
+In each step the timers that are due fire one after the other, in a fixed order, and after each
+every message that it caused is handled before anything else happens.  So the numbers do not
+depend on how fast the machine is, and are the same every time.  ``/clock`` tells other processes.
+"""
+
+import time
+from typing import Callable, List
+
+from diffdrive_kinematics.nodes.clocks import SteppedClock
+from diffdrive_kinematics.nodes.messages import set_stamp
+from diffdrive_kinematics.nodes.node import DiffDriveNode
+from diffdrive_kinematics.nodes.running import Stop
+from diffdrive_kinematics.nodes.traffic import Traffic
+from rclpy.duration import Duration
+from rclpy.executors import Executor
+from rosgraph_msgs.msg import Clock
+
+__all__ = ['Stepper']
+
+DISCOVERY_TIMEOUT_S = 10.0
+DELIVERY_TIMEOUT_S = 5.0
+POLL_S = 0.01
+LOOK_PERIOD_S = 0.002
+STEPS_BETWEEN_ACKS = 4
+STEPS_BETWEEN_LOOKS = 64
+
+
+class Stepper:
+    """
+    Steps the clock that the nodes of a process share.
+
+    Parameters
+    ----------
+    node : DiffDriveNode
+        The node that publishes ``/clock``.
+    members : list of DiffDriveNode
+        The nodes whose time it is.
+    stepped, traffic :
+        What the members share.
+    step_ns : int
+        Length of a step [ns].
+    real_time_factor : float
+        Simulated seconds a second; 0: as many as the nodes can follow.
+
+    """
+
+    def __init__(
+            self, node: DiffDriveNode, members: List[DiffDriveNode], *, stepped: SteppedClock,
+            traffic: Traffic, step_ns: int, real_time_factor: float) -> None:
+        self._node, self._members = node, members
+        self._stepped, self._traffic = stepped, traffic
+        self._step_ns, self._factor = step_ns, real_time_factor
+        self._publisher = node.create_publisher(Clock, '/clock', 1)
+        self._message = Clock()
+        self._steps = 0
+        self._awaited: list = []
+        self._began = 0.0
+        self._look_at = 0.0
+
+    def spin(self, executor: Executor, finished: Callable[[], bool], stop: Stop) -> None:
+        """Step until finished or asked to stop."""
+        self._discover(executor, stop)
+        self._began = time.monotonic()
+        while not stop and not finished():
+            self._step(executor)
+            self._wait_for_others()
+            self._pace(executor, stop)
+
+    def rate(self) -> float:
+        """Return the simulated seconds a second so far (the real-time factor)."""
+        return self._steps * self._step_ns / 1e9 / max(1e-9, time.monotonic() - self._began)
+
+    def _discover(self, executor: Executor, stop: Stop) -> None:
+        """Wait until the members hear each other, or no message would be sure to arrive."""
+        deadline = time.monotonic() + DISCOVERY_TIMEOUT_S
+        while not stop and time.monotonic() < deadline:
+            ready = [member.ready() for member in self._members]
+            if all(ready) and self._traffic.matched():
+                return
+            executor.spin_once(timeout_sec=POLL_S)
+        self._node.get_logger().warning(
+            'not everything to wait for is in this process: the numbers depend on when it comes')
+
+    def _step(self, executor: Executor) -> None:
+        self._steps += 1
+        self._stepped.advance_to(self._steps * self._step_ns)
+        set_stamp(self._message.clock, self._stepped.now_ns())
+        self._publisher.publish(self._message)
+        if time.monotonic() > self._look_at:
+            executor.spin_once(timeout_sec=0)  # services, and messages of other processes
+            self._look_at = time.monotonic() + LOOK_PERIOD_S
+        self._traffic.forget()
+        for timer in self._stepped.due():
+            self._stepped.fire(timer)
+            self._deliver(executor)
+
+    def _deliver(self, executor: Executor) -> None:
+        """Let every message in flight be handled, and all that these cause."""
+        deadline = time.monotonic() + DELIVERY_TIMEOUT_S
+        while not self._traffic.settled():
+            executor.spin_once(timeout_sec=POLL_S)
+            if time.monotonic() > deadline:
+                self._node.get_logger().error('a message within the process was lost')
+                self._traffic.forget()
+
+    def _wait_for_others(self) -> None:
+        """Do not run away from subscribers in other processes: their queues are finite."""
+        if self._steps % STEPS_BETWEEN_LOOKS == 1:
+            self._awaited = [
+                publisher for publisher in self._traffic.publishers
+                if publisher.get_subscription_count()
+                > self._traffic.listeners(publisher.topic_name)]
+        if self._awaited and self._steps % STEPS_BETWEEN_ACKS == 0:
+            for publisher in self._awaited:
+                publisher.wait_for_all_acked(Duration(seconds=1))
+
+    def _pace(self, executor: Executor, stop: Stop) -> None:
+        """Keep to the real time factor."""
+        if not self._factor:
+            return
+        due = self._began + self._steps * self._step_ns / 1e9 / self._factor
+        while not stop and (left := due - time.monotonic()) > 0.0:
+            executor.spin_once(timeout_sec=min(left, POLL_S))

@@ -1,0 +1,293 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""
+What can be set: one table of parameters per node.
+
+Names, units and defaults are those of ros2_controllers' ``diff_drive_controller`` wherever it
+has the same thing.  The tables are data: nodes declare them, documentation is made from them.
+"""
+
+from dataclasses import dataclass
+import enum
+import math
+from typing import Any, Callable, Mapping, Optional, Tuple
+
+from diffdrive_kinematics.core.checks import (
+    check_above, check_non_negative, check_positive)
+from diffdrive_kinematics.core.geometry import WheelGeometry
+from diffdrive_kinematics.core.limits import AxisLimits
+from diffdrive_kinematics.core.noise import SLIP_MODELS
+
+__all__ = [
+    'COMMAND_SEQUENCE', 'DIFFDRIVE_SIM', 'DIFF_DRIVE_CONTROLLER', 'Entry', 'KNOWN_NAMES', 'Kind',
+    'SIMULATED_BASE', 'TABLES', 'WHEEL_NOISE', 'axis_limits', 'only_in_ros2_controllers',
+    'check_wiring', 'wheel_geometry',
+    'wheel_radii']
+
+Check = Callable[[str, Any], Any]
+Values = Mapping[str, Any]
+
+
+class Kind(enum.Enum):
+    """Type of a parameter, in words for its user."""
+
+    BOOL = 'true or false'
+    INTEGER = 'an integer'
+    DOUBLE = 'a number'
+    STRING = 'a string'
+    STRINGS = 'a list of strings'
+    DOUBLES = 'a list of numbers'
+
+
+@dataclass(frozen=True)
+class Entry:
+    """One parameter: name, default, meaning, and what a value must satisfy."""
+
+    name: str
+    default: Any
+    description: str
+    kind: Kind = Kind.DOUBLE
+    check: Optional[Check] = None
+    read_only: bool = False
+    required: bool = False
+
+
+def _check_joint_names(name: str, value: Tuple[str, ...]) -> None:
+    if not value or not all(value) or len(set(value)) != len(value):
+        raise ValueError(f'{name} is {list(value)!r}, expected one or more different joint names')
+
+
+def _check_seed(name: str, value: int) -> None:
+    if value < 0:
+        raise ValueError(f'{name} is {value!r}, expected an integer, 0 or above')
+
+
+def _check_pose(name: str, value: Tuple[float, ...]) -> None:
+    if len(value) != 3 or not all(map(math.isfinite, value)):
+        raise ValueError(f'{name} is {list(value)!r}, expected three finite numbers [x, y, yaw]')
+
+
+def _check_diagonal(name: str, value: Tuple[float, ...]) -> None:
+    if len(value) != 6 or not all(math.isfinite(item) and item >= 0.0 for item in value):
+        raise ValueError(
+            f'{name} is {list(value)!r}, expected six finite numbers, 0 or above, for '
+            '(x, y, z, roll, pitch, yaw)')
+
+
+def _check_named(name: str, value: str) -> None:
+    if not value:
+        raise ValueError(f'{name} is empty, expected a name')
+
+
+def _check_slip_model(name: str, value: str) -> None:
+    if value not in SLIP_MODELS:
+        raise ValueError(f"{name} is {value!r}, expected {' or '.join(map(repr, SLIP_MODELS))}")
+
+
+def _check_bias(name: str, value: float) -> None:
+    check_above(name, value, -1.0)
+
+
+def _string(name: str, default: str, description: str, *, optional: bool = False) -> Entry:
+    return Entry(name, default, description, Kind.STRING, None if optional else _check_named,
+                 read_only=True)
+
+
+_JOINTS = (
+    Entry('left_wheel_names', ['left_wheel_joint'], 'joints of the left wheels', Kind.STRINGS,
+          _check_joint_names, read_only=True),
+    Entry('right_wheel_names', ['right_wheel_joint'], 'joints of the right wheels', Kind.STRINGS,
+          _check_joint_names, read_only=True))
+_RADII = (
+    Entry('wheel_radius', math.nan, 'radius R of the wheels [m], above 0', check=check_positive,
+          required=True),
+    Entry('left_wheel_radius_multiplier', 1.0, 'effective over nominal radius of the left wheels',
+          check=check_positive),
+    Entry('right_wheel_radius_multiplier', 1.0,
+          'effective over nominal radius of the right wheels', check=check_positive))
+_GEOMETRY = (
+    Entry('wheel_separation', math.nan,
+          'distance L between left and right wheels [m], above 0', check=check_positive,
+          required=True),
+    Entry('wheel_separation_multiplier', 1.0, 'effective over nominal separation',
+          check=check_positive), *_RADII)
+
+_LIMITS = {
+    'max_velocity': '0 or above', 'min_velocity': '0 or below; NaN: -max_velocity',
+    'max_acceleration': 'speeding up forward, above 0',
+    'max_acceleration_reverse': 'speeding up in reverse, below 0; NaN: -max_acceleration',
+    'max_deceleration': 'slowing down forward, below 0; NaN: max_acceleration_reverse',
+    'max_deceleration_reverse': 'slowing down in reverse, above 0; NaN: -max_deceleration',
+    'max_jerk': 'above 0', 'min_jerk': 'below 0; NaN: -max_jerk',
+    'min_acceleration': 'older name of max_deceleration and max_acceleration_reverse together'}
+_SWITCHES = {  # what their limits have in their names
+    'has_velocity_limits': 'velocity', 'has_acceleration_limits': 'celeration',
+    'has_jerk_limits': 'jerk'}
+_AXES = ('linear.x', 'angular.z')
+
+
+def _axis_entries() -> Tuple[Entry, ...]:
+    limits = tuple(
+        Entry(f'{axis}.{limit}', math.nan, f'limit of {axis}, {meaning}; NaN: no limit')
+        for axis in _AXES for limit, meaning in _LIMITS.items())
+    switches = tuple(
+        Entry(f'{axis}.{switch}', True, f'false: {axis} has no such limits '
+              '(deprecated in ros2_controllers: leave the limits NaN)', Kind.BOOL)
+        for axis in _AXES for switch in _SWITCHES)
+    return limits + switches
+
+
+DIFF_DRIVE_CONTROLLER = (
+    *_GEOMETRY, *_JOINTS,
+    _string('cmd_vel_topic', 'cmd_vel', 'velocity commands in'),
+    _string('wheel_rates_topic', 'wheel_rates', 'wheel rates out, JointState'),
+    _string('wheel_commands_topic', '', 'wheel rates out as Float64MultiArray, left wheels then '
+            'right wheels, for a ros2_control velocity controller; empty: off', optional=True),
+    _string('cmd_vel_out_topic', 'cmd_vel_out', 'limited velocity out, TwistStamped'),
+    Entry('publish_limited_velocity', False, 'whether to publish cmd_vel_out', Kind.BOOL,
+          read_only=True),
+    Entry('enable_stamped_cmd_vel', False, 'commands are TwistStamped instead of Twist', Kind.BOOL,
+          read_only=True),
+    Entry('stamp_tolerance', 0.0, 'how old [s] the stamp of a command may be to be handed on to '
+          'the wheel rates; older: the time of arrival', check=check_non_negative),
+    Entry('cmd_vel_timeout', 0.5, 'age [s] at which a command ends and the drive brakes; 0: '
+          'never', check=check_non_negative),
+    Entry('publish_rate', 50.0, 'rate [Hz] at which the wheel rates are repeated and ramps step',
+          check=check_positive),
+    Entry('max_wheel_rate', math.nan, 'bound [rad/s] of all wheels; beyond it both sides are '
+          'scaled by one factor, so that the path keeps its curvature; NaN: none'),
+    _string('base_frame_id', 'base_link', 'frame of the limited velocity'),
+    *_axis_entries())
+
+WHEEL_NOISE = (
+    *_RADII, *_JOINTS,
+    _string('input_topic', 'wheel_rates', 'nominal wheel motion in'),
+    _string('output_topic', 'noisy_wheel_rates', 'effective wheel motion out'),
+    Entry('left_bias', 0.0, 'fraction of travel that the left wheel gains, above -1',
+          check=_check_bias),
+    Entry('right_bias', 0.0, 'fraction of travel that the right wheel gains, above -1',
+          check=_check_bias),
+    Entry('left_slip_variance', 0.0, 'k [m] of the left wheel: Var[travel error] = k |travel|',
+          check=check_non_negative),
+    Entry('right_slip_variance', 0.0, 'k [m] of the right wheel: Var[travel error] = k |travel|',
+          check=check_non_negative),
+    Entry('slip_model', 'travel', "'travel': variance grows with distance, whatever the message "
+          "rate; 'command': sigma is in proportion to the rate, drawn once a message, "
+          '*_slip_variance is its squared fraction [1], and the statistics depend on the message '
+          'rate', Kind.STRING, _check_slip_model),
+    Entry('seed', 0, 'of the random generator, 0 or above; setting another one starts anew',
+          Kind.INTEGER, _check_seed),
+    Entry('command_timeout', 0.5, 'silence [s] over which rates are held at most; as in '
+          'simulated_base; 0: any', check=check_non_negative))
+
+SIMULATED_BASE = (
+    *_GEOMETRY, *_JOINTS,
+    _string('wheel_motion_topic', 'wheel_rates', 'wheel motion in: rates, positions or both'),
+    _string('odom_topic', 'odom', 'odometry out; empty: off', optional=True),
+    _string('joint_states_topic', 'joint_states', 'joint states out; empty: off', optional=True),
+    Entry('publish_rate', 50.0, 'rate [Hz] of odometry and joint states', check=check_positive),
+    Entry('command_timeout', 0.5, 'silence [s] after which the wheels stop, at the last stamp '
+          'plus this; 0: never', check=check_non_negative),
+    Entry('position_feedback', True, 'false: ignore positions in wheel motion and integrate its '
+          'rates', Kind.BOOL, read_only=True),
+    Entry('initial_pose', [0.0, 0.0, 0.0], 'x [m], y [m], yaw [rad] at start', Kind.DOUBLES,
+          _check_pose, read_only=True),
+    Entry('enable_odom_tf', True, 'broadcast odom_frame_id -> base_frame_id (needs tf2_msgs)',
+          Kind.BOOL, read_only=True),
+    _string('odom_frame_id', 'odom', 'fixed frame of the odometry'),
+    _string('base_frame_id', 'base_link', 'frame of the robot'),
+    Entry('pose_covariance_diagonal', [0.0] * 6, 'variances of the pose as published',
+          Kind.DOUBLES, _check_diagonal),
+    Entry('twist_covariance_diagonal', [0.0] * 6, 'variances of the twist as published',
+          Kind.DOUBLES, _check_diagonal))
+
+COMMAND_SEQUENCE = (
+    _string('cmd_vel_topic', 'cmd_vel', 'velocity commands out'),
+    Entry('enable_stamped_cmd_vel', False, 'publish TwistStamped instead of Twist', Kind.BOOL,
+          read_only=True),
+    _string('base_frame_id', 'base_link', 'frame of stamped commands'),
+    Entry('commands', [], 'v [m/s], omega [rad/s], duration [s] of each command, one after '
+          'another in one flat list', Kind.DOUBLES, read_only=True),
+    _string('recording', '', 'CSV file (or .csv.gz) time_sec,linear_x,angular_z to play instead '
+            'of commands', optional=True),
+    Entry('loop', False, 'start again at the end, until stopped', Kind.BOOL, read_only=True),
+    Entry('publish_rate', 50.0, 'rate [Hz] at which a held command is repeated',
+          check=check_positive, read_only=True),
+    Entry('wait_for_topics', [], 'topics that must have answered before the first command; '
+          'until then zeros are sent', Kind.STRINGS, read_only=True))
+
+DIFFDRIVE_SIM = (
+    Entry('nodes', [], "what to compose: 'class' or 'class:name'", Kind.STRINGS, read_only=True),
+    Entry('clock_step', 0.0, 'step [s] of a simulated clock that is published on /clock; 0: real '
+          'time', check=check_non_negative, read_only=True),
+    Entry('real_time_factor', 0.0, 'pace of the simulated clock; 0: as fast as the nodes can '
+          'follow', check=check_non_negative, read_only=True))
+
+TABLES = {
+    'diff_drive_controller': DIFF_DRIVE_CONTROLLER, 'wheel_noise': WHEEL_NOISE,
+    'simulated_base': SIMULATED_BASE, 'command_sequence': COMMAND_SEQUENCE,
+    'diffdrive_sim': DIFFDRIVE_SIM}
+KNOWN_NAMES = frozenset(entry.name for table in TABLES.values() for entry in table)
+
+_ROS2_CONTROLLERS = frozenset((
+    'type', 'wheels_per_side', 'open_loop', 'velocity_rolling_window_size', 'use_stamped_vel',
+    'tf_frame_prefix', 'tf_frame_prefix_enable', 'update_rate', 'is_async',
+    'publish_wheel_data'))
+
+
+def only_in_ros2_controllers(name: str) -> bool:
+    """Return whether ros2_controllers' diff_drive_controller knows a name and we do not."""
+    return name in _ROS2_CONTROLLERS and name not in KNOWN_NAMES
+
+
+def wheel_geometry(values: Values) -> WheelGeometry:
+    """Return the wheel geometry of a node's values; ``ValueError`` if it is impossible."""
+    return WheelGeometry(**{
+        name: values[name] for name in (
+            'wheel_separation', 'wheel_radius', 'wheel_separation_multiplier',
+            'left_wheel_radius_multiplier', 'right_wheel_radius_multiplier')})
+
+
+def wheel_radii(values: Values) -> Tuple[float, float]:
+    """Return the effective radii (left, right) [m] of a node's values."""
+    geometry = WheelGeometry(
+        1.0, values['wheel_radius'],
+        left_wheel_radius_multiplier=values['left_wheel_radius_multiplier'],
+        right_wheel_radius_multiplier=values['right_wheel_radius_multiplier'])
+    return geometry.left_radius, geometry.right_radius
+
+
+def axis_limits(values: Values, axis: str) -> AxisLimits:
+    """Return the limits of ``linear.x`` or ``angular.z``; ``ValueError`` names the parameter."""
+    limits = {limit: values[f'{axis}.{limit}'] for limit in _LIMITS}
+    older = limits.pop('min_acceleration')
+    for limit in ('max_deceleration', 'max_acceleration_reverse'):
+        if math.isnan(limits[limit]):
+            limits[limit] = older
+    for switch, what in _SWITCHES.items():
+        if not values[f'{axis}.{switch}']:
+            limits.update({limit: math.nan for limit in limits if what in limit})
+    try:
+        return AxisLimits(**limits)
+    except ValueError as error:
+        raise ValueError(f'{axis}.{error}') from None
+
+
+def check_wiring(values: Values, source: str, outputs: Tuple[str, ...]) -> None:
+    """Raise ``ValueError`` where a node would listen to itself."""
+    for output in outputs:
+        if values[output] and values[output].strip('/') == values[source].strip('/'):
+            raise ValueError(
+                f'{output} is {values[output]!r}, expected another topic than {source}')

@@ -1,0 +1,76 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Counts the messages on their way between the nodes of one process."""
+
+from collections import Counter
+
+from rclpy.publisher import Publisher
+
+__all__ = ['Traffic']
+
+
+class Traffic:
+    """
+    Tells when every message that was sent within the process has been handled.
+
+    Only then may a stepped clock go on, if a run is to give the same numbers every time.
+    Messages from other processes are handled as they come and are not waited for.
+    """
+
+    def __init__(self) -> None:
+        self._listeners: 'Counter[str]' = Counter()
+        self._in_flight: 'Counter[str]' = Counter()
+        self.publishers: 'list[Publisher]' = []
+
+    def add_listener(self, topic: str) -> None:
+        """Note a subscription of this process, by resolved topic name."""
+        self._listeners[topic] += 1
+
+    def remove_listener(self, topic: str) -> None:
+        """Note that a subscription of this process is gone."""
+        self._listeners[topic] -= 1
+
+    def listeners(self, topic: str) -> int:
+        """Return how many subscriptions of this process a topic has."""
+        return self._listeners[topic]
+
+    def count_sent(self, publisher: Publisher) -> None:
+        """Count what a publisher sends from now on."""
+        topic, publish = publisher.topic_name, publisher.publish
+
+        def counted(message: object) -> None:
+            self._in_flight[topic] += self._listeners[topic]
+            publish(message)
+
+        publisher.publish = counted
+        self.publishers.append(publisher)
+
+    def received(self, topic: str) -> None:
+        """Note that a subscription has handled a message."""
+        self._in_flight[topic] -= 1
+
+    def settled(self) -> bool:
+        """Return whether nothing is on its way."""
+        return all(count <= 0 for count in self._in_flight.values())
+
+    def forget(self) -> None:
+        """Start counting anew, so that messages from elsewhere do not add up."""
+        self._in_flight.clear()
+
+    def matched(self) -> bool:
+        """Return whether every publisher has found the subscriptions of this process."""
+        return all(
+            publisher.get_subscription_count() >= self._listeners[publisher.topic_name]
+            for publisher in self.publishers)

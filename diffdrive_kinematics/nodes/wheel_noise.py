@@ -1,0 +1,90 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""``wheel_noise``: wheel motion in, biased and slipping wheel motion out."""
+
+from dataclasses import dataclass, replace
+from typing import Any, Mapping
+
+from diffdrive_kinematics.core.noise import WheelSlip
+from diffdrive_kinematics.core.slip_stream import SlipStream
+from diffdrive_kinematics.core.wheel_motion import timeout_from_seconds, Verdict
+from diffdrive_kinematics.nodes.messages import WheelMessage, WheelReader
+from diffdrive_kinematics.nodes.node import DiffDriveNode
+from diffdrive_kinematics.nodes.running import main_of
+from diffdrive_kinematics.nodes.tables import check_wiring, WHEEL_NOISE, wheel_radii
+import numpy as np
+from sensor_msgs.msg import JointState
+
+
+@dataclass(frozen=True)
+class Config:
+    """What the noise is set to."""
+
+    stream: SlipStream
+    values: Mapping[str, Any]
+
+
+def build(values: Mapping[str, Any]) -> Config:
+    """Return the configuration of parameter values, or raise ``ValueError``."""
+    check_wiring(values, 'input_topic', ('output_topic',))
+    left, right = (
+        WheelSlip(values[f'{side}_bias'], values[f'{side}_slip_variance'], values['slip_model'])
+        for side in ('left', 'right'))
+    return Config(
+        SlipStream(wheel_radii(values), left, right,
+                   timeout_from_seconds(values['command_timeout'])), values)
+
+
+class WheelNoise(DiffDriveNode[Config]):
+    """Perturbs the travel between the stamps of two messages; never reads the clock."""
+
+    def __init__(self, name: str = 'wheel_noise', **composition: Any) -> None:
+        super().__init__(name, WHEEL_NOISE, build, **composition)
+        values = self.config.values
+        names = values['left_wheel_names'], values['right_wheel_names']
+        self._reader = WheelReader(*names)
+        self._wheels = WheelMessage(*names)
+        self._stream = self.config.stream
+        self._seed = values['seed']
+        self._generator = np.random.default_rng(self._seed)
+        self._publisher = self.publisher(JointState, values['output_topic'])
+        self.subscribe(JointState, values['input_topic'], self._on_wheels)
+        self.parameters.on_change(self._configure)
+
+    def _on_wheels(self, message: JointState) -> None:
+        sample = self._reader.read(message, self.now_ns)
+        if sample is None:
+            return
+        self._stream, noisy, verdict = self._stream.passed(sample, self._generator)
+        if verdict in (Verdict.OUT_OF_ORDER, Verdict.CLOCK_STEP):
+            self.counts[verdict.value] += 1
+        if noisy is not None:
+            self._publisher.publish(
+                self._wheels.filled(noisy.stamp_ns, noisy.rates, noisy.positions))
+
+    def _configure(self, config: Config) -> None:
+        new = config.stream
+        self._stream = replace(
+            self._stream, radii=new.radii, left_slip=new.left_slip, right_slip=new.right_slip,
+            timeout_ns=new.timeout_ns)
+        if config.values['seed'] != self._seed:
+            self._seed = config.values['seed']
+            self._generator = np.random.default_rng(self._seed)
+
+
+main = main_of(WheelNoise)
+
+if __name__ == '__main__':
+    main()
