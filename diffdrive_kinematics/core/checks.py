@@ -22,7 +22,8 @@ and raises ``ValueError``.  Finiteness is judged before bounds, so NaN never sli
 import math
 
 __all__ = [
-    'LARGEST', 'check_above', 'check_finite', 'check_non_negative', 'check_positive', 'is_sane']
+    'LARGEST', 'check_above', 'check_duration', 'check_finite', 'check_non_negative',
+    'check_positive', 'check_rate', 'is_sane']
 
 LARGEST = 1e12
 """Bound of every rate, speed and travel: far above any wheel, far below overflow."""
@@ -62,4 +63,20 @@ def check_above(name: str, value: float, bound: float) -> float:
     number = float(value)
     if not (math.isfinite(number) and number > bound):
         raise ValueError(f'{name} is {value!r}, expected a finite number above {bound!r}')
+    return number
+
+
+def check_rate(name: str, value: float) -> float:
+    """Return ``value`` as a float, or raise unless it is a rate [Hz] from 1e-6 to 1e6."""
+    number = float(value)
+    if not 1e-6 <= number <= 1e6:
+        raise ValueError(f'{name} is {value!r}, expected a rate from 1e-6 to 1e6 Hz')
+    return number
+
+
+def check_duration(name: str, value: float) -> float:
+    """Return ``value`` as a float, or raise unless it is a duration [s] from 0 to 1e9."""
+    number = float(value)
+    if not 0.0 <= number <= 1e9:
+        raise ValueError(f'{name} is {value!r}, expected a duration from 0 to 1e9 s')
     return number

@@ -26,11 +26,11 @@ import math
 from typing import List, NamedTuple, Optional, Tuple
 
 from diffdrive_kinematics.core.checks import (
-    check_non_negative, check_positive, is_sane, LARGEST)
+    check_duration, check_rate, is_sane, LARGEST)
 from diffdrive_kinematics.core.compensated import RunningSum
 from diffdrive_kinematics.core.geometry import wheel_rates_from_twist, WheelGeometry
 from diffdrive_kinematics.core.limits import AxisLimits
-from diffdrive_kinematics.core.saturation import saturate
+from diffdrive_kinematics.core.saturation import saturate, SaturatedRates
 
 __all__ = ['Drive', 'DriveSettings', 'DriveTelling', 'Twist']
 
@@ -80,8 +80,8 @@ class DriveSettings:
     publish_rate: float = 50.0
 
     def __post_init__(self) -> None:
-        check_non_negative('cmd_vel_timeout', self.cmd_vel_timeout)
-        check_positive('publish_rate', self.publish_rate)
+        check_duration('cmd_vel_timeout', self.cmd_vel_timeout)
+        check_rate('publish_rate', self.publish_rate)
         if self.max_wheel_rate <= 0.0:
             raise ValueError(
                 f'max_wheel_rate is {self.max_wheel_rate!r}, expected above 0, or NaN')
@@ -201,9 +201,11 @@ class Drive:
             self, settings: DriveSettings, now_ns: int) -> Tuple['Drive', List[DriveTelling]]:
         """Return the drive under new settings from ``now_ns`` on: the same target anew."""
         drive, changes = self.advanced(now_ns)
-        drive, change = replace(drive, settings=settings)._stepped(
-            max(now_ns, drive.since_ns + 1))
-        return drive, changes + change
+        drive = replace(drive, settings=settings)
+        if drive.step_ns is None or not settings.ramps:
+            drive, change = drive._stepped(max(now_ns, drive.since_ns + 1))
+            changes += change
+        return drive, changes
 
     def clock_stepped(self, step_ns: int) -> 'Drive':
         """Return the drive as it reads after the clock itself was stepped."""
@@ -214,16 +216,17 @@ class Drive:
 
     def _stepped(self, time_ns: int) -> Tuple['Drive', List[DriveTelling]]:
         """Take one step towards the target at ``time_ns``; without ramps it gets there."""
-        wanted = self._limited()
-        rates = wheel_rates_from_twist(self.settings.geometry, *wanted)
-        left, right, factor = saturate(*rates, self.settings.max_wheel_rate)
-        twist = Twist(wanted.v * factor, wanted.w * factor)
+        allowed = Twist(self.settings.linear.limit_velocity(self.target.v),
+                        self.settings.angular.limit_velocity(self.target.w))
+        goal, cut = self._saturated(allowed)
+        within_reach = self._towards(goal)
+        twist, (left, right, factor) = self._saturated(within_reach)
         settled = not self.settings.ramps or twist == self.twist == self.before
         drive = replace(
             self, twist=twist, before=self.twist,
             step_ns=None if settled else time_ns + self.settings.period_ns,
-            saturated=self.saturated + (factor < 1.0),
-            limited=self.limited + (wanted != self.target))
+            saturated=self.saturated + (min(cut.factor, factor) < 1.0),
+            limited=self.limited + (allowed != self.target or within_reach != goal))
         if (left, right) == self.rates and twist == self.twist:
             return drive, []
         angle_left, angle_right = self._angles(time_ns)
@@ -231,16 +234,21 @@ class Drive:
             drive, since_ns=time_ns, rates=(left, right), left=angle_left, right=angle_right)
         return drive, [drive.told(time_ns)]
 
-    def _limited(self) -> Twist:
+    def _saturated(self, twist: Twist) -> Tuple[Twist, SaturatedRates]:
+        rates = saturate(*wheel_rates_from_twist(self.settings.geometry, *twist),
+                         self.settings.max_wheel_rate)
+        return Twist(twist.v * rates.factor, twist.w * rates.factor), rates
+
+    def _towards(self, goal: Twist) -> Twist:
+        """Return the twist a step nearer to the goal: a goal within reach keeps its curvature."""
         if not self.settings.ramps:
-            return Twist(self.settings.linear.limit_velocity(self.target.v),
-                         self.settings.angular.limit_velocity(self.target.w))
+            return goal
         dt = 1.0 / self.settings.publish_rate
         return Twist(
             self.settings.linear.limit(
-                self.target.v, current=self.twist.v, before=self.before.v, dt=dt),
+                goal.v, current=self.twist.v, before=self.before.v, dt=dt),
             self.settings.angular.limit(
-                self.target.w, current=self.twist.w, before=self.before.w, dt=dt))
+                goal.w, current=self.twist.w, before=self.before.w, dt=dt))
 
     def _angles(self, time_ns: int) -> Tuple[RunningSum, RunningSum]:
         seconds = (time_ns - self.since_ns) / NANOSECONDS

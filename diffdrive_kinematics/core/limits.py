@@ -152,8 +152,9 @@ class AxisLimits:
         if not (change - change_before) * change > 0.0:
             return target
         low, high = self.jerk_range
-        growth = min(max(change - change_before, low * dt * dt), high * dt * dt)
-        return current + change_before + growth
+        wanted = change - change_before
+        growth = min(max(wanted, low * dt * dt), high * dt * dt)
+        return target if growth == wanted else current + change_before + growth
 
 
 def _or(value: float, default: float) -> float:

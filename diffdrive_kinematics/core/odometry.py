@@ -118,7 +118,7 @@ class Odometry:
     def configured(
             self, geometry: WheelGeometry, timeout_ns: Optional[int], now_ns: int) -> 'Odometry':
         """Return the odometry with what was rolled so far kept and new settings from now on."""
-        if self.motion is None or now_ns <= self.motion.anchor_ns:
+        if self.motion is None or not self.motion.holds or now_ns <= self.motion.anchor_ns:
             return replace(self, geometry=geometry, timeout_ns=timeout_ns)
         angle = rolled(self.motion, now_ns, self.timeout_ns)
         reference = (self.motion.reference[0] + angle[0], self.motion.reference[1] + angle[1])

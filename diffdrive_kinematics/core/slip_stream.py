@@ -82,7 +82,8 @@ class SlipStream:
             return stream, self._out(sample, motion, ratios=None), Verdict.FIRST
         result = receive(
             self.motion, sample, now_ns=sample.stamp_ns, timeout_ns=self.timeout_ns)
-        if result.verdict is Verdict.OUT_OF_ORDER:
+        late = result.verdict is Verdict.REPEATED and sample.stamp_ns <= self.told_ns
+        if late or result.verdict is Verdict.OUT_OF_ORDER:
             return self, None, result.verdict
         if result.verdict is Verdict.CLOCK_STEP:
             stream = replace(
@@ -95,7 +96,8 @@ class SlipStream:
             self, sample: WheelSample, motion: WheelMotion, anchor_moved: Pair,
             generator: np.random.Generator) -> Tuple['SlipStream', WheelSample]:
         """Perturb the nominal angle between the sample put out last and this one."""
-        held = rolled(motion, sample.stamp_ns, self.timeout_ns)
+        told_ns = max(sample.stamp_ns, self.told_ns + 1)
+        held = rolled(motion, told_ns, self.timeout_ns)
         nominal = (anchor_moved[0] + held[0] - self.ahead[0],
                    anchor_moved[1] + held[1] - self.ahead[1])
         left, left_ratio = _slip(
@@ -103,7 +105,7 @@ class SlipStream:
         right, right_ratio = _slip(
             self.right_slip, nominal[1], self.radii[1], generator)
         stream = replace(
-            self, motion=motion, ahead=held, told_ns=max(sample.stamp_ns, self.told_ns + 1),
+            self, motion=motion, ahead=held, told_ns=told_ns,
             left=self.left.plus(left), right=self.right.plus(right))
         return stream, stream._out(sample, motion, ratios=(left_ratio, right_ratio))
 
@@ -122,7 +124,13 @@ class SlipStream:
 def _slip(
         slip: WheelSlip, angle: float, radius: float, generator: np.random.Generator
 ) -> Tuple[float, float]:
-    """Return (effective angle [rad], effective over nominal travel) of a nominal angle."""
+    """
+    Return (effective angle [rad], effective over nominal travel) of a nominal angle.
+
+    A wheel at rest draws nothing: how long it rests does not change what its next metre does.
+    """
+    if angle == 0.0:
+        return 0.0, 1.0 + slip.bias
     travel = angle * radius
     effective = sample_travel(slip, travel, generator)
     return float(effective) / radius, effective_ratio(slip, travel, float(effective))

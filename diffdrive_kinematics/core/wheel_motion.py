@@ -78,7 +78,7 @@ class WheelMotion:
 
     ``holds`` is False where only positions are known: nothing is extrapolated from them, and
     ``rates`` is what the last increment amounts to.  ``reference`` is what the publisher's
-    positions [rad] are at the anchor; ``counted`` tells whether a sample since then had any.
+    positions [rad] are, or would be, at the anchor.
     """
 
     anchor_ns: int
@@ -86,7 +86,6 @@ class WheelMotion:
     rates: Pair
     reference: Pair
     holds: bool
-    counted: bool
 
 
 class Verdict(enum.Enum):
@@ -122,7 +121,7 @@ def first_motion(sample: WheelSample) -> WheelMotion:
     """Return the motion that starts with ``sample``: its positions are only a baseline."""
     return WheelMotion(
         sample.stamp_ns, sample.stamp_ns, sample.rates or ZERO, sample.positions or ZERO,
-        holds=sample.rates is not None, counted=sample.positions is not None)
+        holds=sample.rates is not None)
 
 
 def shifted(motion: WheelMotion, step_ns: int) -> WheelMotion:
@@ -172,10 +171,7 @@ def receive(
     silent = timeout_ns is not None and stamp > motion.last_ns + timeout_ns
     if sample.rates == motion.rates and motion.holds and not silent and _same(
             held, travelled, motion, sample):
-        renewed = replace(
-            motion, last_ns=max(motion.last_ns, stamp),
-            counted=motion.counted or sample.positions is not None)
-        return Received(renewed, ZERO, Verdict.REPEATED)
+        return Received(_renewed(motion, sample, held), ZERO, Verdict.REPEATED)
     following = first_motion(sample)
     if sample.rates is None:
         seconds = (stamp - motion.anchor_ns) / NANOSECONDS
@@ -184,19 +180,21 @@ def receive(
     return Received(following, travelled, Verdict.MOVED)
 
 
+def _renewed(motion: WheelMotion, repeat: WheelSample, held: Pair) -> WheelMotion:
+    """Return the motion after a repeat; one without positions is where they begin to count."""
+    if repeat.stamp_ns < motion.last_ns:
+        return motion
+    reference = motion.reference if repeat.positions else (-held[0], -held[1])
+    return replace(motion, last_ns=repeat.stamp_ns, reference=reference)
+
+
 def _increment(motion: WheelMotion, positions: Pair) -> Pair:
     return positions[0] - motion.reference[0], positions[1] - motion.reference[1]
 
 
 def _same(held: Pair, travelled: Pair, motion: WheelMotion, sample: WheelSample) -> bool:
-    """
-    Tell whether the positions say what the held rates say, to their last digits.
-
-    A sample without positions after one with positions is a new publisher's baseline.
-    """
-    if sample.positions is None:
-        return not motion.counted
-    return all(
+    """Tell whether the positions, if any, say what the held rates say, to their last digits."""
+    return sample.positions is None or all(
         abs(a - b) <= 4.0 * math.ulp(max(abs(position), abs(reference)))
         for a, b, position, reference in zip(
             held, travelled, sample.positions, motion.reference))

@@ -105,7 +105,6 @@ class DiffDriveSim(DiffDriveNode[Config]):
             (self.stepper.spin if self.stepper else spin)(executor, self._finished, stop)
             for node in self.members:
                 node.close()
-                node.flush()
         finally:
             executor.shutdown()
 

@@ -23,7 +23,6 @@ from diffdrive_kinematics.nodes.tables import Entry
 from diffdrive_kinematics.nodes.traffic import Traffic
 from rclpy.clock import Clock
 from rclpy.clock_type import ClockType
-from rclpy.duration import Duration
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rclpy.subscription import Subscription
@@ -32,8 +31,8 @@ __all__ = ['DiffDriveNode']
 
 Config = TypeVar('Config')
 QUEUE_DEPTH = 10
+STEPPED_QUEUE_DEPTH = 1000  # other processes cannot hold up time that is stepped
 REPORT_PERIOD_S = 1.0
-FLUSH_TIMEOUT_S = 1.0
 
 
 class DiffDriveNode(Node, Generic[Config]):
@@ -114,7 +113,8 @@ class DiffDriveNode(Node, Generic[Config]):
 
     def publisher(self, message_type: type, topic: str) -> Publisher:
         """Return a reliable publisher."""
-        publisher = self.create_publisher(message_type, topic, QUEUE_DEPTH)
+        depth = STEPPED_QUEUE_DEPTH if self._stepped else QUEUE_DEPTH
+        publisher = self.create_publisher(message_type, topic, depth)
         if self._traffic:
             self._traffic.count_sent(publisher)
         return publisher
@@ -158,11 +158,6 @@ class DiffDriveNode(Node, Generic[Config]):
     def ready(self) -> bool:
         """Return whether the node has all it can have before time begins to pass."""
         return True
-
-    def flush(self) -> None:
-        """Wait until everybody who listens has what was published."""
-        for publisher in self.publishers:
-            publisher.wait_for_all_acked(Duration(seconds=FLUSH_TIMEOUT_S))
 
     def close(self) -> None:
         """Say what must be said before the node goes; called once, while it still can."""

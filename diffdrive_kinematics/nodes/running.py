@@ -97,7 +97,6 @@ def main_of(make: Callable[[], DiffDriveNode]) -> Callable[[], None]:
         try:
             spin(executor, lambda: node.done, stop)
             node.close()
-            node.flush()
         finally:
             executor.shutdown()
             node.destroy_node()

@@ -28,7 +28,6 @@ from diffdrive_kinematics.nodes.messages import set_stamp
 from diffdrive_kinematics.nodes.node import DiffDriveNode
 from diffdrive_kinematics.nodes.running import Stop
 from diffdrive_kinematics.nodes.traffic import Traffic
-from rclpy.duration import Duration
 from rclpy.executors import Executor
 from rosgraph_msgs.msg import Clock
 
@@ -38,8 +37,6 @@ DISCOVERY_TIMEOUT_S = 10.0
 DELIVERY_TIMEOUT_S = 5.0
 POLL_S = 0.01
 LOOK_PERIOD_S = 0.002
-STEPS_BETWEEN_ACKS = 4
-STEPS_BETWEEN_LOOKS = 64
 
 
 class Stepper:
@@ -70,7 +67,6 @@ class Stepper:
         self._publisher = node.create_publisher(Clock, '/clock', 1)
         self._message = Clock()
         self._steps = 0
-        self._awaited: list = []
         self._began = 0.0
         self._look_at = 0.0
 
@@ -80,7 +76,6 @@ class Stepper:
         self._began = time.monotonic()
         while not stop and not finished():
             self._step(executor)
-            self._wait_for_others()
             self._pace(executor, stop)
 
     def rate(self) -> float:
@@ -119,17 +114,6 @@ class Stepper:
             if time.monotonic() > deadline:
                 self._node.get_logger().error('a message within the process was lost')
                 self._traffic.forget()
-
-    def _wait_for_others(self) -> None:
-        """Do not run away from subscribers in other processes: their queues are finite."""
-        if self._steps % STEPS_BETWEEN_LOOKS == 1:
-            self._awaited = [
-                publisher for publisher in self._traffic.publishers
-                if publisher.get_subscription_count()
-                > self._traffic.listeners(publisher.topic_name)]
-        if self._awaited and self._steps % STEPS_BETWEEN_ACKS == 0:
-            for publisher in self._awaited:
-                publisher.wait_for_all_acked(Duration(seconds=1))
 
     def _pace(self, executor: Executor, stop: Stop) -> None:
         """Keep to the real time factor."""

@@ -25,7 +25,7 @@ import math
 from typing import Any, Callable, Mapping, Optional, Tuple
 
 from diffdrive_kinematics.core.checks import (
-    check_above, check_non_negative, check_positive)
+    check_above, check_duration, check_non_negative, check_positive, check_rate)
 from diffdrive_kinematics.core.geometry import WheelGeometry
 from diffdrive_kinematics.core.limits import AxisLimits
 from diffdrive_kinematics.core.noise import SLIP_MODELS
@@ -161,11 +161,11 @@ DIFF_DRIVE_CONTROLLER = (
     Entry('enable_stamped_cmd_vel', False, 'commands are TwistStamped instead of Twist', Kind.BOOL,
           read_only=True),
     Entry('stamp_tolerance', 0.0, 'how old [s] the stamp of a command may be to be handed on to '
-          'the wheel rates; older: the time of arrival', check=check_non_negative),
+          'the wheel rates; older: the time of arrival', check=check_duration),
     Entry('cmd_vel_timeout', 0.5, 'age [s] at which a command ends and the drive brakes; 0: '
-          'never', check=check_non_negative),
+          'never', check=check_duration),
     Entry('publish_rate', 50.0, 'rate [Hz] at which the wheel rates are repeated and ramps step',
-          check=check_positive),
+          check=check_rate),
     Entry('max_wheel_rate', math.nan, 'bound [rad/s] of all wheels; beyond it both sides are '
           'scaled by one factor, so that the path keeps its curvature; NaN: none'),
     _string('base_frame_id', 'base_link', 'frame of the limited velocity'),
@@ -190,16 +190,16 @@ WHEEL_NOISE = (
     Entry('seed', 0, 'of the random generator, 0 or above; setting another one starts anew',
           Kind.INTEGER, _check_seed),
     Entry('command_timeout', 0.5, 'silence [s] over which rates are held at most; as in '
-          'simulated_base; 0: any', check=check_non_negative))
+          'simulated_base; 0: any', check=check_duration))
 
 SIMULATED_BASE = (
     *_GEOMETRY, *_JOINTS,
     _string('wheel_motion_topic', 'wheel_rates', 'wheel motion in: rates, positions or both'),
     _string('odom_topic', 'odom', 'odometry out; empty: off', optional=True),
     _string('joint_states_topic', 'joint_states', 'joint states out; empty: off', optional=True),
-    Entry('publish_rate', 50.0, 'rate [Hz] of odometry and joint states', check=check_positive),
+    Entry('publish_rate', 50.0, 'rate [Hz] of odometry and joint states', check=check_rate),
     Entry('command_timeout', 0.5, 'silence [s] after which the wheels stop, at the last stamp '
-          'plus this; 0: never', check=check_non_negative),
+          'plus this; 0: never', check=check_duration),
     Entry('position_feedback', True, 'false: ignore positions in wheel motion and integrate its '
           'rates', Kind.BOOL, read_only=True),
     Entry('initial_pose', [0.0, 0.0, 0.0], 'x [m], y [m], yaw [rad] at start', Kind.DOUBLES,
@@ -224,14 +224,14 @@ COMMAND_SEQUENCE = (
             'of commands', optional=True),
     Entry('loop', False, 'start again at the end, until stopped', Kind.BOOL, read_only=True),
     Entry('publish_rate', 50.0, 'rate [Hz] at which a held command is repeated',
-          check=check_positive, read_only=True),
+          check=check_rate, read_only=True),
     Entry('wait_for_topics', [], 'topics that must have answered before the first command; '
           'until then zeros are sent', Kind.STRINGS, read_only=True))
 
 DIFFDRIVE_SIM = (
     Entry('nodes', [], "what to compose: 'class' or 'class:name'", Kind.STRINGS, read_only=True),
     Entry('clock_step', 0.0, 'step [s] of a simulated clock that is published on /clock; 0: real '
-          'time', check=check_non_negative, read_only=True),
+          'time', check=check_duration, read_only=True),
     Entry('real_time_factor', 0.0, 'pace of the simulated clock; 0: as fast as the nodes can '
           'follow', check=check_non_negative, read_only=True))
 

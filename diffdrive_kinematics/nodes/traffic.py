@@ -42,10 +42,6 @@ class Traffic:
         """Note that a subscription of this process is gone."""
         self._listeners[topic] -= 1
 
-    def listeners(self, topic: str) -> int:
-        """Return how many subscriptions of this process a topic has."""
-        return self._listeners[topic]
-
     def count_sent(self, publisher: Publisher) -> None:
         """Count what a publisher sends from now on."""
         topic, publish = publisher.topic_name, publisher.publish

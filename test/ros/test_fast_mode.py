@@ -1,0 +1,69 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Fast mode: the same numbers every time, and as fast as the nodes can follow."""
+
+import re
+import struct
+
+from graph import stamp_ns
+from nav_msgs.msg import Odometry
+from std_msgs.msg import Empty
+
+REPEATS = 10
+
+
+def bits_of(message, start):
+    """Return everything in an odometry message, to the bit, from the start of the course."""
+    pose, twist = message.pose.pose, message.twist.twist
+    return struct.pack(
+        '<q8d', stamp_ns(message) - start, pose.position.x, pose.position.y, pose.orientation.z,
+        pose.orientation.w, twist.linear.x, twist.linear.y, twist.angular.z, 0.0)
+
+
+def drive(graph):
+    """Drive the demo's course once; return (belief, truth) bits, and the report."""
+    go = graph.publisher(Empty, 'go', listeners=0)
+    collected = {}
+    for topic in ('odom', 'ground_truth'):
+        collected[topic] = graph.collect(Odometry, topic)
+    topics = "command_sequence:wait_for_topics:=['odom', 'ground_truth', 'go']"
+    sim = graph.start('diffdrive_sim', {'real_time_factor': 0.0}, '-p', topics)
+    graph.wait_for(lambda: collected['odom'] and collected['ground_truth'], 'odometry')
+    go.publish(Empty())
+    graph.wait_for(lambda: not sim.running, 'the course to end')
+    assert sim.wait() == 0, sim.output
+    graph.wait_for(
+        lambda: len({stamp_ns(messages[-1]) for messages in collected.values()}) == 1,
+        'the last messages')
+    moving = [stamp_ns(message) for message in collected['odom']
+              if message.twist.twist.linear.x != 0.0]
+    bits = [[bits_of(message, moving[0]) for message in messages
+             if stamp_ns(message) >= moving[0]] for messages in collected.values()]
+    for entity in (*graph.node.subscriptions, *graph.node.publishers):
+        if entity.topic_name in ('/odom', '/ground_truth', '/go'):
+            (graph.node.destroy_publisher if entity in graph.node.publishers
+             else graph.node.destroy_subscription)(entity)
+    return bits, sim.output
+
+
+def test_the_demos_course_gives_bitwise_the_same_odometry_and_truth_every_time(graph):
+    first, report = drive(graph)
+    assert len(first[0]) == len(first[1]) > 24 * 50  # every message of 24 s at 50 Hz has come
+    print(re.search(r'\d+ times real time', report)[0])
+    table = report[report.index('x [m]'):report.index('times real time') - 5]
+    for _ in range(REPEATS - 1):
+        again, report = drive(graph)
+        assert again == first
+        assert table.strip() in report

@@ -1,0 +1,183 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""
+A graph of real processes over DDS in a domain of its own, and the test's node in it.
+
+Nothing sleeps: every wait is for an event, with a deadline that only a hung graph reaches.
+"""
+
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+
+from geometry_msgs.msg import Twist, TwistStamped
+import rclpy
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.qos import QoSProfile
+
+DEADLINE_S = 90.0
+DEEP = QoSProfile(depth=100_000)
+KHEPERA = {'wheel_radius': 0.021, 'wheel_separation': 0.0885}
+
+
+def arguments(parameters, *extra):
+    """Return ROS arguments that set parameters of whatever node is started."""
+    settings = [part for name, value in parameters.items()
+                for part in ('-p', f'{name}:={_yaml(value)}')]
+    return ['--ros-args', *settings, *extra]
+
+
+def _yaml(value):
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, (list, tuple)):
+        return f"[{', '.join(map(_yaml, value))}]"
+    return f"'{value}'" if value == '' else repr(value) if isinstance(value, float) else str(value)
+
+
+class Process:
+    """An executable of the package in a process of its own; its output goes to a file."""
+
+    def __init__(self, name, args, environment, cwd=None):
+        self.name = name
+        self._file = tempfile.TemporaryFile(mode='w+')
+        self._popen = subprocess.Popen(
+            [sys.executable, '-m', f'diffdrive_kinematics.nodes.{name}', *args],
+            stdin=subprocess.DEVNULL, stdout=self._file, stderr=subprocess.STDOUT,
+            env=environment, cwd=cwd)
+
+    @property
+    def running(self):
+        return self._popen.poll() is None
+
+    @property
+    def output(self):
+        self._file.seek(0)
+        return self._file.read()
+
+    def stop(self, number=signal.SIGINT):
+        """Send a signal, and return the exit status."""
+        if self.running:
+            self._popen.send_signal(number)
+        return self.wait()
+
+    def wait(self, timeout=DEADLINE_S):
+        """Return the exit status of a process that ends by itself."""
+        try:
+            return self._popen.wait(timeout)
+        except subprocess.TimeoutExpired:
+            raise AssertionError(f'{self.name} does not end:\n{self.output}') from None
+
+    def kill(self):
+        if self.running:
+            self._popen.kill()
+            self._popen.wait()
+        self._file.close()
+
+
+class Graph:
+    """Starts processes and talks to them."""
+
+    def __init__(self, domain):
+        self._environment = {
+            **os.environ, 'ROS_DOMAIN_ID': str(domain), 'ROS_PYTHON_CHECK_FIELDS': '1',
+            'ROS_AUTOMATIC_DISCOVERY_RANGE': 'LOCALHOST', 'PYTHONUNBUFFERED': '1',
+            'RCUTILS_COLORIZED_OUTPUT': '0'}
+        self._environment.setdefault('ROS_LOG_DIR', tempfile.gettempdir())
+        self.context = rclpy.Context()
+        rclpy.init(context=self.context, domain_id=int(domain))
+        self.node = rclpy.create_node('test', context=self.context)
+        self.executor = SingleThreadedExecutor(context=self.context)
+        self.executor.add_node(self.node)
+        self.processes = []
+
+    def start(self, name, parameters=None, *extra, args=None, cwd=None):
+        """Start an executable with parameters, or with ``args`` as they are."""
+        process = Process(
+            name, arguments(parameters or {}, *extra) if args is None else args,
+            self._environment, cwd)
+        self.processes.append(process)
+        return process
+
+    def close(self):
+        for process in self.processes:
+            process.kill()
+        self.executor.shutdown()
+        self.node.destroy_node()
+        rclpy.try_shutdown(context=self.context)
+
+    def wait_for(self, condition, what, timeout=DEADLINE_S):
+        """Spin until the condition returns something true, and return that."""
+        deadline = time.monotonic() + timeout
+        while not (result := condition()):
+            if time.monotonic() > deadline:
+                raise AssertionError(f'{what}: not within {timeout} s\n{self.outputs()}')
+            self.executor.spin_once(timeout_sec=0.05)
+        return result
+
+    def outputs(self):
+        return '\n'.join(f'--- {process.name}\n{process.output}' for process in self.processes)
+
+    def collect(self, message_type, topic, handle=None):
+        """Return a list to which every message of a topic is added."""
+        messages = []
+        self.node.create_subscription(message_type, topic, handle or messages.append, DEEP)
+        return messages
+
+    def publisher(self, message_type, topic, listeners=1):
+        """Return a publisher that is heard already."""
+        publisher = self.node.create_publisher(message_type, topic, DEEP)
+        if listeners:
+            self.wait_for(lambda: publisher.get_subscription_count() >= listeners,
+                          f'{listeners} subscribers of {topic}')
+        return publisher
+
+    def now_ns(self):
+        return self.node.get_clock().now().nanoseconds
+
+    def call(self, service_type, name, request):
+        """Call a service and return the response."""
+        client = self.node.create_client(service_type, name)
+        self.wait_for(client.service_is_ready, f'service {name}')
+        future = client.call_async(request)
+        self.wait_for(future.done, f'answer of {name}')
+        return future.result()
+
+
+def stamp_ns(message):
+    """Return the stamp of a message with a header."""
+    return message.header.stamp.sec * 10**9 + message.header.stamp.nanosec
+
+
+def set_stamp(message, time_ns):
+    """Write a stamp [ns] into a message with a header."""
+    message.header.stamp.sec, message.header.stamp.nanosec = divmod(time_ns, 10**9)
+
+
+def twist(v, w):
+    """Return a Twist."""
+    message = Twist()
+    message.linear.x, message.angular.z = float(v), float(w)
+    return message
+
+
+def twist_stamped(time_ns, v, w):
+    """Return a TwistStamped."""
+    message = TwistStamped(twist=twist(v, w))
+    set_stamp(message, time_ns)
+    return message
