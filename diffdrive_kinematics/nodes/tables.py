@@ -125,26 +125,32 @@ _GEOMETRY = (
           check=check_positive), *_RADII)
 
 _LIMITS = {
-    'max_velocity': '0 or above', 'min_velocity': '0 or below; NaN: -max_velocity',
-    'max_acceleration': 'speeding up forward, above 0',
+    'max_velocity': 'highest velocity, 0 or above; NaN: no limit',
+    'min_velocity': 'lowest velocity, 0 or below; NaN: -max_velocity',
+    'max_acceleration': 'speeding up forward, above 0; NaN: no limit',
     'max_acceleration_reverse': 'speeding up in reverse, below 0; NaN: -max_acceleration',
     'max_deceleration': 'slowing down forward, below 0; NaN: max_acceleration_reverse',
     'max_deceleration_reverse': 'slowing down in reverse, above 0; NaN: -max_deceleration',
-    'max_jerk': 'above 0', 'min_jerk': 'below 0; NaN: -max_jerk',
+    'max_jerk': 'growth of the acceleration, above 0; NaN: no limit',
+    'min_jerk': 'the same in reverse, below 0; NaN: -max_jerk',
     'min_acceleration': 'older name of max_deceleration and max_acceleration_reverse together'}
 _SWITCHES = {  # what their limits have in their names
     'has_velocity_limits': 'velocity', 'has_acceleration_limits': 'celeration',
     'has_jerk_limits': 'jerk'}
-_AXES = ('linear.x', 'angular.z')
+_AXES = {'linear.x': 'm', 'angular.z': 'rad'}
+
+
+def _per(limit: str) -> str:
+    return 's' if 'velocity' in limit else 's^3' if 'jerk' in limit else 's^2'
 
 
 def _axis_entries() -> Tuple[Entry, ...]:
     limits = tuple(
-        Entry(f'{axis}.{limit}', math.nan, f'limit of {axis}, {meaning}; NaN: no limit')
-        for axis in _AXES for limit, meaning in _LIMITS.items())
+        Entry(f'{axis}.{limit}', math.nan, f'{meaning} [{unit}/{_per(limit)}]')
+        for axis, unit in _AXES.items() for limit, meaning in _LIMITS.items())
     switches = tuple(
-        Entry(f'{axis}.{switch}', True, f'false: {axis} has no such limits '
-              '(deprecated in ros2_controllers: leave the limits NaN)', Kind.BOOL)
+        Entry(f'{axis}.{switch}', True, 'false: the limits of this kind do not count (older '
+              'YAML; leave the limits NaN instead)', Kind.BOOL)
         for axis in _AXES for switch in _SWITCHES)
     return limits + switches
 

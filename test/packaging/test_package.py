@@ -155,3 +155,8 @@ def test_the_scan_tells_lazy_imports_from_others(source, at_load, ever):
     tree = ast.parse(source)
     assert imported(tree, lazy=False) == at_load
     assert imported(tree) == ever
+
+
+def test_the_parameter_reference_is_what_the_tables_say(capsys):
+    runpy.run_path(str(ROOT / 'docs' / 'make_parameters.py'), run_name='__main__')
+    assert capsys.readouterr().out == (ROOT / 'docs' / 'parameters.md').read_text()

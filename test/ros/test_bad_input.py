@@ -127,7 +127,8 @@ def test_geometry_can_be_changed_at_run_time_and_integers_are_accepted_for_doubl
     commands = graph.publisher(Twist, 'cmd_vel')
     commands.publish(twist(0.021, 0.0))
     graph.wait_for(lambda: rates and any(rates[-1].velocity), 'the robot to drive')
-    for change, expected in ((double('wheel_radius', 0.042), 0.5), (integer('wheel_radius', 1), 0.021)):
+    for change, expected in (
+            (double('wheel_radius', 0.042), 0.5), (integer('wheel_radius', 1), 0.021)):
         answer = graph.call(SetParameters, f'{CONTROLLER}/set_parameters',
                             SetParameters.Request(parameters=[change]))
         assert answer.results[0].successful

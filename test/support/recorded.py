@@ -33,7 +33,7 @@ def load(path):
 
 
 def travel(rows):
-    """Return the wheel travel (left, right) [m] of each row but the first."""
+    """Return what the wheels travelled, (left, right) [m], up to each row but the first."""
     scale = math.tau * RADIUS / TICKS_PER_TURN
     return [(row['left_ticks'] * scale, row['right_ticks'] * scale) for row in rows[1:]]
 
