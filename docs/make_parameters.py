@@ -43,7 +43,7 @@ def default(entry: Entry) -> str:
         return '`.nan`'
     if isinstance(value, bool):
         return f'`{str(value).lower()}`'
-    return f"`{value!r}`".replace('\'', '') if value != '' else "`''`"
+    return f'`{value}`'.replace("'", '') if value != '' else "`''`"
 
 
 def row(entry: Entry) -> str:

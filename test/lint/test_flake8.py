@@ -21,7 +21,7 @@ import sys
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
-SOURCES = [str(ROOT / name) for name in ('setup.py', 'diffdrive_kinematics', 'test')]
+SOURCES = [str(ROOT / name) for name in ('setup.py', 'docs', 'diffdrive_kinematics', 'test')]
 
 
 @pytest.mark.flake8

@@ -1,0 +1,349 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Odometry against 50-digit composition, and what no message, timer or restart may change."""
+
+from dataclasses import replace
+from itertools import accumulate
+import math
+
+from diffdrive_kinematics.core.arc import Pose
+from diffdrive_kinematics.core.geometry import WheelGeometry
+from diffdrive_kinematics.core.odometry import Odometry
+from diffdrive_kinematics.core.wheel_motion import Verdict, WheelSample
+from hypothesis import given, settings, strategies as st
+import mpmath
+import pytest
+
+LAW = settings(deadline=None, derandomize=True)
+MS = 1_000_000
+S = 1000 * MS
+T = S // 2
+NOW = 1000 * S
+GEOMETRY = WheelGeometry(0.4, 0.1, 1.1, 0.9, 1.2)
+START = Odometry.starting_at(Pose(1.0, -2.0, 3.0), geometry=GEOMETRY, timeout_ns=T)
+A, B, STILL = (5.0, 7.0), (-3.0, 4.0), (0.0, 0.0)
+pairs = st.tuples(st.floats(-10.0, 10.0), st.floats(-10.0, 10.0))
+schedules = st.lists(
+    st.tuples(st.integers(MS, 400 * MS), pairs), min_size=1, max_size=12).map(
+        lambda items: [
+            WheelSample(stamp, rates) for stamp, (_, rates) in zip(
+                accumulate(gap for gap, _ in items), items)])
+
+
+def fed(odometry, samples, now_ns=NOW):
+    for sample in samples:
+        odometry, _ = odometry.received(sample, now_ns)
+    return odometry
+
+
+def wrapped_difference(theta, other):
+    return math.remainder(theta - other, math.tau)
+
+
+def assert_same_reading(reading, other, tolerance=1e-12):
+    assert reading.pose[:2] == pytest.approx(other.pose[:2], abs=tolerance)
+    assert abs(wrapped_difference(reading.pose.theta, other.pose.theta)) <= tolerance
+    assert reading.angles == pytest.approx(other.angles, abs=tolerance)
+    assert reading.rates == pytest.approx(other.rates, abs=1e-9)
+
+
+def composed(samples, end):
+    """Return (x, y, unwrapped theta) of rates held from stamp to stamp, with 50 digits."""
+    with mpmath.workdps(50):
+        x, y, theta = map(mpmath.mpf, (1.0, -2.0, 3.0))
+        for sample, until in zip(samples, [s.stamp_ns for s in samples[1:]] + [end]):
+            seconds = mpmath.mpf(until - sample.stamp_ns) / 10**9
+            left = mpmath.mpf(GEOMETRY.left_radius) * sample.rates[0] * seconds
+            right = mpmath.mpf(GEOMETRY.right_radius) * sample.rates[1] * seconds
+            half = (right - left) / GEOMETRY.separation / 2
+            chord = (left + right) / 2 * mpmath.sinc(half)
+            x += chord * mpmath.cos(theta + half)
+            y += chord * mpmath.sin(theta + half)
+            theta += 2 * half
+        return float(x), float(y), float(theta)
+
+
+def with_positions(samples, offset=(40.0, -7.0)):
+    """Return the samples with the positions that their publisher would report."""
+    result, left, right = [], *offset
+    for before, sample in zip([None, *samples], samples):
+        if before:
+            seconds = (sample.stamp_ns - before.stamp_ns) / 1e9
+            left, right = left + before.rates[0] * seconds, right + before.rates[1] * seconds
+        result.append(replace(sample, positions=(left, right)))
+    return result
+
+
+@LAW
+@given(schedules, st.integers(0, 400 * MS))
+def test_the_pose_is_the_composition_of_exact_arcs(samples, later):
+    end = samples[-1].stamp_ns + later
+    pose = fed(START, samples).at(end).pose
+    x, y, theta = composed(samples, end)
+    assert (pose.x, pose.y) == pytest.approx((x, y), abs=1e-12)
+    assert abs(wrapped_difference(pose.theta, theta)) <= 1e-12
+    assert -math.pi < pose.theta <= math.pi
+
+
+@LAW
+@given(schedules, st.integers(1, 40))
+def test_repeats_change_no_bit_of_the_reading(samples, period_ms):
+    repeated = []
+    for sample, following in zip(samples, [*samples[1:], None]):
+        end = following.stamp_ns if following else sample.stamp_ns + 1
+        repeated += [WheelSample(stamp, sample.rates)
+                     for stamp in range(sample.stamp_ns, end, period_ms * MS)]
+    end = samples[-1].stamp_ns + 399 * MS
+    assert fed(START, repeated).at(end) == fed(START, samples).at(end)
+
+
+@LAW
+@given(schedules, st.lists(st.integers(0, 6 * S), max_size=9))
+def test_looking_changes_nothing(samples, times):
+    odometry = fed(START, samples)
+    end = samples[-1].stamp_ns + S
+    before = odometry.at(end)
+    for time in times:
+        odometry.at(time)
+    assert odometry.at(end) == before
+
+
+@LAW
+@given(schedules, st.data())
+def test_lost_samples_with_positions_keep_angles_and_heading_exact(samples, data):
+    full = with_positions(samples)
+    kept = full[:1] + [s for s in full[1:-1] if data.draw(st.booleans())] + full[1:][-1:]
+    end = samples[-1].stamp_ns + 100 * MS
+    reading, exact = fed(START, kept).at(end), fed(START, samples).at(end)
+    assert reading.angles == pytest.approx(exact.angles, abs=1e-12)
+    assert abs(wrapped_difference(reading.pose.theta, exact.pose.theta)) <= 1e-12
+
+
+@LAW
+@given(schedules)
+def test_positions_that_agree_with_the_rates_change_nothing(samples):
+    end = samples[-1].stamp_ns + 100 * MS
+    assert_same_reading(
+        fed(START, with_positions(samples)).at(end), fed(START, samples).at(end))
+
+
+@LAW
+@given(schedules, st.lists(st.integers(1, 99), max_size=4), pairs)
+def test_a_superseding_sample_undoes_what_followed_its_stamp(samples, percents, rates):
+    last = samples[-1]
+    stamps = sorted(last.stamp_ns + percent * MS for percent in percents)
+    late = WheelSample(last.stamp_ns + MS // 2, rates)
+    heard = fed(START, [*samples, *(WheelSample(stamp, last.rates) for stamp in stamps), late])
+    end = late.stamp_ns + 200 * MS
+    assert_same_reading(heard.at(end), fed(START, [*samples, late]).at(end))
+
+
+def test_a_sample_at_or_before_the_anchor_changes_nothing():
+    odometry = fed(START, [WheelSample(S, A), WheelSample(2 * S, B)])
+    for stamp in (2 * S, 2 * S - 1, S):
+        after, verdict = odometry.received(WheelSample(stamp, A), NOW)
+        assert verdict is Verdict.OUT_OF_ORDER
+        assert after == odometry
+
+
+@pytest.mark.parametrize('stamp', [-9 * S, NOW + 9 * S])
+def test_a_step_of_the_clock_keeps_the_pose_of_the_last_sample(stamp):
+    odometry = fed(START, [WheelSample(0, A), WheelSample(100 * MS, A)])
+    after, verdict = odometry.received(WheelSample(stamp, B, (900.0, 900.0)), NOW)
+    assert verdict is Verdict.CLOCK_STEP
+    assert after.at(stamp).pose == odometry.at(100 * MS).pose
+    assert after.at(stamp).angles == odometry.at(100 * MS).angles
+    later = after.at(stamp + 100 * MS)
+    assert later.angles == pytest.approx((0.5 - 0.3, 0.7 + 0.4))
+
+
+def test_the_base_stops_exactly_at_the_last_stamp_and_the_timeout():
+    odometry = fed(START, [WheelSample(0, A), WheelSample(100 * MS, A)])
+    end = 100 * MS + T
+    assert odometry.at(end - 1).rates == A
+    stopped = odometry.at(end)
+    assert (stopped.rates, stopped.twist) == (STILL, STILL)
+    assert stopped.angles == pytest.approx((0.6 * 5.0, 0.6 * 7.0))
+    assert odometry.at(end + NOW) == stopped
+    assert odometry.at(end - 1).pose != stopped.pose
+
+
+def test_the_same_rates_after_silence_go_on_from_where_the_base_stopped():
+    odometry = fed(START, [WheelSample(0, A)])
+    after = fed(odometry, [WheelSample(20 * S, A)])
+    assert_same_reading(
+        after.at(20 * S)._replace(rates=STILL), odometry.at(20 * S), tolerance=1e-14)
+    assert after.at(20 * S + 100 * MS).angles == pytest.approx((3.0, 4.2))
+
+
+@LAW
+@given(schedules, st.integers(0, 399 * MS), st.booleans(), pairs)
+def test_a_restarted_publisher_causes_no_jump(samples, later, standing, rates):
+    last = samples[-1]
+    rates = last.rates if standing else rates
+    odometry = fed(START, with_positions(samples))
+    stamp = last.stamp_ns + 1 + later
+    restarted = fed(odometry, [WheelSample(stamp, rates)])
+    assert_same_reading(
+        restarted.at(stamp)._replace(rates=STILL), odometry.at(stamp)._replace(rates=STILL))
+    moved = (0.1 * rates[0], 0.1 * rates[1])
+    end = stamp + 100 * MS
+    going_on = fed(restarted, [WheelSample(end, rates, moved)])
+    assert_same_reading(going_on.at(end), restarted.at(end))
+
+
+@pytest.mark.parametrize('rates', [STILL, A])
+def test_a_restart_with_the_same_rates_is_noticed_also_at_a_stand(rates):
+    """Guard a repeat of the same rates that was not taken for a new baseline."""
+    publisher = [WheelSample(0, rates, (80.0, 90.0)), WheelSample(
+        100 * MS, rates, (80.0 + 0.1 * rates[0], 90.0 + 0.1 * rates[1]))]
+    again = [WheelSample(200 * MS, rates), WheelSample(
+        300 * MS, rates, (0.1 * rates[0], 0.1 * rates[1]))]
+    assert fed(START, publisher + again).at(300 * MS).angles == pytest.approx(
+        (0.3 * rates[0], 0.3 * rates[1]), abs=1e-13)
+
+
+def test_the_first_sample_moves_nothing_whatever_its_positions():
+    odometry, verdict = START.received(WheelSample(S, None, (500.0, -3.0)), NOW)
+    assert verdict is Verdict.FIRST
+    assert odometry.at(5 * S).pose == Pose(1.0, -2.0, 3.0)
+    assert odometry.at(5 * S).angles == STILL
+
+
+def test_before_the_first_sample_the_base_stands_at_its_start():
+    reading = START.at(7 * S)
+    assert reading == (Pose(1.0, -2.0, 3.0), STILL, STILL, STILL)
+
+
+def test_before_the_anchor_the_base_is_where_it_is_at_the_anchor():
+    odometry = fed(START, [WheelSample(0, A), WheelSample(S // 10, B)])
+    assert odometry.at(0) == odometry.at(S // 10)
+
+
+@LAW
+@given(schedules)
+def test_positions_alone_give_the_same_angles_and_heading_but_nothing_beyond(samples):
+    full = with_positions(samples)
+    alone = fed(START, [replace(sample, rates=None) for sample in full])
+    end = samples[-1].stamp_ns
+    reading, exact = alone.at(end), fed(START, samples).at(end)
+    assert reading.angles == pytest.approx(exact.angles, abs=1e-12)
+    assert abs(wrapped_difference(reading.pose.theta, exact.pose.theta)) <= 1e-12
+    assert alone.at(end + T // 2).pose == reading.pose
+
+
+def test_the_twist_is_that_of_the_rates():
+    twist = fed(START, [WheelSample(0, A)]).at(1).twist
+    v_left, v_right = GEOMETRY.left_radius * 5.0, GEOMETRY.right_radius * 7.0
+    assert twist == pytest.approx(
+        ((v_left + v_right) / 2, (v_right - v_left) / GEOMETRY.separation))
+
+
+OTHER = WheelGeometry(0.8, 0.2)
+
+
+@LAW
+@given(schedules, st.integers(-100 * MS, S), st.booleans())
+def test_a_change_of_geometry_keeps_pose_and_angles(samples, later, positions):
+    odometry = fed(START, with_positions(samples) if positions else samples)
+    now = samples[-1].stamp_ns + later
+    changed = odometry.configured(OTHER, T, now)
+    assert_same_reading(changed.at(now), odometry.at(now))
+    assert changed.geometry == OTHER
+
+
+@LAW
+@given(schedules, st.integers(1, 90 * MS), pairs)
+def test_after_a_change_of_geometry_the_same_wheels_count_under_the_new_one(
+        samples, later, rates):
+    full = with_positions([*samples, WheelSample(samples[-1].stamp_ns + 100 * MS, rates)])
+    now = samples[-1].stamp_ns + later
+    changed = fed(START, full[:-1]).configured(OTHER, T, now)
+    fresh = Odometry.starting_at(changed.at(now).pose, geometry=OTHER, timeout_ns=T)
+    fresh = fed(fresh, [WheelSample(now, samples[-1].rates)])
+    end = full[-1].stamp_ns + 50 * MS
+    without = replace(full[-1], positions=None)
+    reading = fed(changed, full[-1:]).at(end)
+    assert reading.pose == pytest.approx(fed(fresh, [without]).at(end).pose, abs=1e-11)
+    assert reading.angles == pytest.approx(fed(START, [*samples, without]).at(end).angles)
+
+
+def test_a_base_that_timed_out_is_not_set_in_motion_by_a_longer_timeout():
+    odometry = fed(START, [WheelSample(0, A)])
+    changed = odometry.configured(GEOMETRY, None, 2 * S)
+    assert changed.at(9 * S).pose == pytest.approx(odometry.at(2 * S).pose)
+    assert changed.at(9 * S).rates == STILL
+
+
+def test_a_change_of_geometry_before_the_first_sample_keeps_the_start():
+    changed = START.configured(OTHER, None, S)
+    assert changed.at(S) == START.at(S)
+    assert (changed.geometry, changed.timeout_ns) == (OTHER, None)
+
+
+def test_a_change_of_geometry_between_positions_alone_does_not_make_a_speed_up():
+    """Guard 10 km/s: an increment since the last sample over the time since the change."""
+    odometry = fed(START, [WheelSample(k * 100 * MS, None, (0.1 * k, 0.1 * k)) for k in (0, 1)])
+    changed = odometry.configured(GEOMETRY, T, 200 * MS - 1000)
+    after = fed(changed, [WheelSample(200 * MS, None, (0.2, 0.2))])
+    assert after.at(200 * MS).rates == pytest.approx((1.0, 1.0))
+
+
+@LAW
+@given(schedules, st.integers(-1000 * S, 1000 * S), st.integers(0, 2 * S), pairs)
+def test_after_the_clock_was_stepped_everything_goes_on_as_before(samples, step, later, rates):
+    odometry = fed(START, samples)
+    stepped, time = odometry.clock_stepped(step), samples[-1].stamp_ns + 1 + later
+    assert stepped.at(time + step) == odometry.at(time)
+    following, _ = stepped.received(WheelSample(time + step, rates), time + step)
+    assert following.at(time + step + T) == fed(
+        odometry, [WheelSample(time, rates)]).at(time + T)
+
+
+def test_the_clock_may_step_before_the_first_sample():
+    assert START.clock_stepped(S) == START
+
+
+@pytest.mark.parametrize('samples', [
+    [WheelSample(0, (9e11, 9e11))],
+    [WheelSample(0, STILL, (-9e11, 0.0)), WheelSample(1, STILL, (9e11, 0.0))]])
+def test_motion_that_is_absurd_for_this_geometry_is_refused(samples):
+    big = Odometry.starting_at(
+        Pose(0.0, 0.0, 0.0), geometry=WheelGeometry(0.1, 10.0), timeout_ns=T)
+    odometry = fed(big, samples[:-1])
+    with pytest.raises(ValueError, match='(velocity|position) .left, right. is'):
+        odometry.received(samples[-1], NOW)
+
+
+@pytest.mark.parametrize(('pose', 'name'), [
+    (Pose(math.nan, 0.0, 0.0), 'x'), (Pose(0.0, math.inf, 0.0), 'y'),
+    (Pose(0.0, 0.0, -math.inf), 'yaw')])
+def test_a_start_that_is_not_finite_is_refused_by_name(pose, name):
+    with pytest.raises(ValueError, match=f'^{name} of the pose is'):
+        Odometry.starting_at(pose, geometry=GEOMETRY, timeout_ns=None)
+
+
+def test_many_turns_lose_no_digit_of_the_heading():
+    """Drive 20000 arcs: the wrapped heading is that of the unwrapped angles."""
+    odometry = START
+    for k in range(20_000):
+        odometry, _ = odometry.received(
+            WheelSample(k * 100 * MS, (5.0, 7.0 + k % 2)), NOW + k * S)
+    reading = odometry.at(19_999 * 100 * MS)
+    with mpmath.workdps(50):
+        left = mpmath.mpf(GEOMETRY.left_radius) * reading.angles[0]
+        right = mpmath.mpf(GEOMETRY.right_radius) * reading.angles[1]
+        theta = 3 + (right - left) / GEOMETRY.separation
+        assert abs(mpmath.fmod(theta - reading.pose.theta + 1, 2 * mpmath.pi) - 1) < 1e-11
