@@ -72,11 +72,11 @@ setup(
     zip_safe=False,
     entry_points={
         'console_scripts': [
-            'command_sequence = diffdrive_kinematics.nodes.command_sequence:main',
-            'diff_drive_controller = diffdrive_kinematics.nodes.diff_drive_controller:main',
-            'diffdrive_sim = diffdrive_kinematics.nodes.diffdrive_sim:main',
-            'simulated_base = diffdrive_kinematics.nodes.simulated_base:main',
-            'wheel_noise = diffdrive_kinematics.nodes.wheel_noise:main',
+            'command_sequence = diffdrive_kinematics.executables:command_sequence',
+            'diff_drive_controller = diffdrive_kinematics.executables:diff_drive_controller',
+            'diffdrive_sim = diffdrive_kinematics.executables:diffdrive_sim',
+            'simulated_base = diffdrive_kinematics.executables:simulated_base',
+            'wheel_noise = diffdrive_kinematics.executables:wheel_noise',
         ],
     },
 )

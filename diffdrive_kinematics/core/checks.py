@@ -22,8 +22,8 @@ and raises ``ValueError``.  Finiteness is judged before bounds, so NaN never sli
 import math
 
 __all__ = [
-    'LARGEST', 'check_above', 'check_duration', 'check_finite', 'check_non_negative',
-    'check_positive', 'check_rate', 'is_sane']
+    'LARGEST', 'check_above', 'check_duration', 'check_finite', 'check_length',
+    'check_non_negative', 'check_positive', 'check_rate', 'is_sane']
 
 LARGEST = 1e12
 """Bound of every rate, speed and travel: far above any wheel, far below overflow."""
@@ -79,4 +79,12 @@ def check_duration(name: str, value: float) -> float:
     number = float(value)
     if not 0.0 <= number <= 1e9:
         raise ValueError(f'{name} is {value!r}, expected a duration from 0 to 1e9 s')
+    return number
+
+
+def check_length(name: str, value: float) -> float:
+    """Return ``value`` as a float, or raise unless it is a length [m] from 1e-6 to 1e6."""
+    number = float(value)
+    if not 1e-6 <= number <= 1e6:
+        raise ValueError(f'{name} is {value!r}, expected a length from 1e-6 to 1e6 m')
     return number

@@ -202,6 +202,8 @@ class Drive:
         """Return the drive under new settings from ``now_ns`` on: the same target anew."""
         drive, changes = self.advanced(now_ns)
         drive = replace(drive, settings=settings)
+        if drive.step_ns is not None and settings.period_ns != self.settings.period_ns:
+            drive = drive._on_grid_from(now_ns, settings.period_ns / self.settings.period_ns)
         if drive.step_ns is None or not settings.ramps:
             drive, change = drive._stepped(max(now_ns, drive.since_ns + 1))
             changes += change
@@ -233,6 +235,12 @@ class Drive:
         drive = replace(
             drive, since_ns=time_ns, rates=(left, right), left=angle_left, right=angle_right)
         return drive, [drive.told(time_ns)]
+
+    def _on_grid_from(self, now_ns: int, ratio: float) -> 'Drive':
+        """Go on ramping with steps of another length, at the acceleration reached."""
+        before = Twist(self.twist.v - ratio * (self.twist.v - self.before.v),
+                       self.twist.w - ratio * (self.twist.w - self.before.w))
+        return replace(self, before=before, step_ns=now_ns + self.settings.period_ns)
 
     def _saturated(self, twist: Twist) -> Tuple[Twist, SaturatedRates]:
         rates = saturate(*wheel_rates_from_twist(self.settings.geometry, *twist),

@@ -34,7 +34,7 @@ import math
 from typing import Tuple, TypeVar
 
 from diffdrive_kinematics.core.arc import Pose
-from diffdrive_kinematics.core.checks import check_finite, check_positive
+from diffdrive_kinematics.core.checks import check_finite, check_length, check_positive
 import numpy as np
 from numpy.typing import NDArray
 
@@ -61,7 +61,8 @@ class WheelGeometry:
     Raises
     ------
     ValueError
-        If a value, or its product with its multiplier, is not a finite positive number.
+        If a value is not a finite positive number, or its product with its multiplier is not
+        from 1e-6 to 1e6 m.
 
     """  # noqa: E501
 
@@ -76,9 +77,9 @@ class WheelGeometry:
                 'wheel_separation', 'wheel_radius', 'wheel_separation_multiplier',
                 'left_wheel_radius_multiplier', 'right_wheel_radius_multiplier'):
             check_positive(name, getattr(self, name))
-        check_positive('wheel_separation * wheel_separation_multiplier', self.separation)
-        check_positive('wheel_radius * left_wheel_radius_multiplier', self.left_radius)
-        check_positive('wheel_radius * right_wheel_radius_multiplier', self.right_radius)
+        check_length('wheel_separation * wheel_separation_multiplier', self.separation)
+        check_length('wheel_radius * left_wheel_radius_multiplier', self.left_radius)
+        check_length('wheel_radius * right_wheel_radius_multiplier', self.right_radius)
 
     @cached_property
     def separation(self) -> float:

@@ -70,7 +70,7 @@ def course_from_commands(commands: Sequence[Command]) -> Course:
     Raises
     ------
     ValueError
-        If there are none.
+        If there are none, or they last no time.
 
     """
     if not commands:
@@ -80,6 +80,8 @@ def course_from_commands(commands: Sequence[Command]) -> Course:
     for command in commands:
         twists.append(TimedTwist(offset_ns, command.v, command.w))
         offset_ns += round(command.duration * NANOSECONDS)
+    if not offset_ns:
+        raise ValueError('commands last 0 s, expected a duration above 0 of at least one')
     return Course((*twists, TimedTwist(offset_ns, 0.0, 0.0)))
 
 
@@ -107,6 +109,8 @@ def course_from_recording(rows: Sequence[Tuple[float, float, float]]) -> Course:
         offset_ns: TimedTwist(offset_ns, v, w)
         for offset_ns, v, w in (
             (round((time - begin) * NANOSECONDS), v, w) for time, v, w in rows)}
+    if len(by_time) == 1:
+        raise ValueError('the recording has one time only, expected at least two')
     twists = [*by_time.values()]
     twists[-1] = TimedTwist(twists[-1].offset_ns, 0.0, 0.0)
     return Course(tuple(twists), duplicates=len(rows) - len(by_time))

@@ -25,7 +25,8 @@ never on when a sample happened to arrive or how often somebody looked.
 * Without a sample for ``timeout_ns`` the wheels stop exactly at ``last_ns + timeout_ns``.
 * A sample between the anchor and ``last_ns`` supersedes what followed it.
 * A sample without positions is the baseline, 0, from which the positions of its publisher
-  count; the first sample ever heard is the baseline whatever it carries.
+  count.  The first sample ever heard, and the first of another source (a publisher that was
+  restarted, or a second one), is a baseline whatever it carries: up to it the rates are held.
 """
 
 from dataclasses import dataclass, replace
@@ -50,6 +51,8 @@ class WheelSample:
     """
     One message about the wheels: rates [rad/s], positions [rad], or both; None where absent.
 
+    ``source`` tells one run of one publisher from another, where it is known.
+
     Raises
     ------
     ValueError
@@ -60,6 +63,7 @@ class WheelSample:
     stamp_ns: int
     rates: Optional[Pair]
     positions: Optional[Pair] = None
+    source: str = ''
 
     def __post_init__(self) -> None:
         if self.rates is None and self.positions is None:
@@ -78,7 +82,7 @@ class WheelMotion:
 
     ``holds`` is False where only positions are known: nothing is extrapolated from them, and
     ``rates`` is what the last increment amounts to.  ``reference`` is what the publisher's
-    positions [rad] are, or would be, at the anchor.
+    positions [rad] are, or would be, at the anchor; ``source`` is that publisher.
     """
 
     anchor_ns: int
@@ -86,6 +90,7 @@ class WheelMotion:
     rates: Pair
     reference: Pair
     holds: bool
+    source: str = ''
 
 
 class Verdict(enum.Enum):
@@ -121,7 +126,7 @@ def first_motion(sample: WheelSample) -> WheelMotion:
     """Return the motion that starts with ``sample``: its positions are only a baseline."""
     return WheelMotion(
         sample.stamp_ns, sample.stamp_ns, sample.rates or ZERO, sample.positions or ZERO,
-        holds=sample.rates is not None)
+        holds=sample.rates is not None, source=sample.source)
 
 
 def shifted(motion: WheelMotion, step_ns: int) -> WheelMotion:
@@ -157,20 +162,27 @@ def receive(
     """
     Return what the wheels did up to ``sample``, and the motion that follows it.
 
-    ``now_ns`` only serves to notice stamps from the future (a step of the clock).
+    ``now_ns`` only serves to notice stamps from the future (a step of the clock).  A publisher
+    whose clock is ahead for good makes one step, and its later stamps follow on each other.
     """
     tolerance = step_tolerance(timeout_ns)
     stamp = sample.stamp_ns
-    if stamp < motion.anchor_ns - tolerance or stamp > now_ns + tolerance:
-        known = rolled(motion, motion.last_ns, timeout_ns)
-        return Received(first_motion(sample), known, Verdict.CLOCK_STEP)
+    if stamp < motion.anchor_ns - tolerance or stamp > max(now_ns, motion.last_ns) + tolerance:
+        return _stepped(motion, sample, timeout_ns)
     if stamp <= motion.anchor_ns:
-        return Received(motion, ZERO, Verdict.OUT_OF_ORDER)
+        if stamp <= motion.last_ns:
+            return Received(motion, ZERO, Verdict.OUT_OF_ORDER)
+        stamp = motion.anchor_ns + 1  # it was on its way while the settings changed
+        sample = replace(sample, stamp_ns=stamp)
     held = rolled(motion, stamp, timeout_ns)
-    travelled = held if sample.positions is None else _increment(motion, sample.positions)
+    same_source = sample.source == motion.source
+    counts = same_source and sample.positions is not None
+    travelled = _increment(motion, sample) if counts else held
     silent = timeout_ns is not None and stamp > motion.last_ns + timeout_ns
-    if sample.rates == motion.rates and motion.holds and not silent and _same(
+    if sample.rates == motion.rates and motion.holds and not silent and same_source and _same(
             held, travelled, motion, sample):
+        if stamp < motion.last_ns - tolerance:
+            return _stepped(motion, sample, timeout_ns)
         return Received(_renewed(motion, sample, held), ZERO, Verdict.REPEATED)
     following = first_motion(sample)
     if sample.rates is None:
@@ -188,8 +200,16 @@ def _renewed(motion: WheelMotion, repeat: WheelSample, held: Pair) -> WheelMotio
     return replace(motion, last_ns=repeat.stamp_ns, reference=reference)
 
 
-def _increment(motion: WheelMotion, positions: Pair) -> Pair:
-    return positions[0] - motion.reference[0], positions[1] - motion.reference[1]
+def _stepped(
+        motion: WheelMotion, sample: WheelSample, timeout_ns: Optional[int]) -> Received:
+    """Begin anew after a step of the clock, with what is known up to the last stamp."""
+    known = rolled(motion, motion.last_ns, timeout_ns)
+    return Received(first_motion(sample), known, Verdict.CLOCK_STEP)
+
+
+def _increment(motion: WheelMotion, sample: WheelSample) -> Pair:
+    left, right = sample.positions or motion.reference
+    return left - motion.reference[0], right - motion.reference[1]
 
 
 def _same(held: Pair, travelled: Pair, motion: WheelMotion, sample: WheelSample) -> bool:

@@ -79,11 +79,13 @@ class CommandSequence(DiffDriveNode[Config]):
         self._next = 0
         self._message = TwistMessage(values['base_frame_id'])
         self._stamped = values['enable_stamped_cmd_vel']
+        self._loop = values['loop']
         self._publisher = self.publisher(
             TwistStamped if self._stamped else Twist, values['cmd_vel_topic'])
         self._unanswered: Set[str] = {
             self.resolve_topic_name(topic) for topic in values['wait_for_topics']}
         self._answers: Dict[str, Subscription] = {}
+        self._unknown: Set[str] = set()
         self._timer = self.every(values['publish_rate'], self._tick)
         if self._course.duplicates:
             self.get_logger().warning(
@@ -104,10 +106,12 @@ class CommandSequence(DiffDriveNode[Config]):
         return (self.now_ns() - self._start_ns) / 1e9 if self.begun() else 0.0
 
     def _tick(self) -> None:
-        now_ns = self.now_ns()
+        now_ns, step_ns = self.now_and_step()
         if self.done:
             return
-        if not self.begun():
+        if self.begun():
+            self._start_ns += step_ns
+        else:
             self._send(now_ns, 0.0, 0.0)
             if not self._is_heard():
                 return
@@ -117,32 +121,37 @@ class CommandSequence(DiffDriveNode[Config]):
 
     def _play(self, now_ns: int) -> None:
         """Send what is due, or repeat what holds; and wake up for whichever is next."""
-        due = self._course.due(self._next, now_ns - self._start_ns)
-        for twist in due:
-            self._send(self._start_ns + twist.offset_ns, twist.v, twist.w)
-        self._next += len(due)
-        if not due:
+        sent = self._send_due(now_ns)
+        if self._next == len(self._course.twists):
+            self.done = True
+            self.get_logger().info('the course is done')
+            return
+        if not sent:
             held = self._course.twists[self._next - 1]
             self._send(now_ns, held.v, held.w)
-        if self._next == len(self._course.twists):
-            self._end()
         next_ns = self._start_ns + self._course.twists[self._next].offset_ns
         self._timer.timer_period_ns = min(self._repeat_ns, max(1, next_ns - now_ns))
         self._timer.reset()
 
-    def _end(self) -> None:
-        self._next = 0
-        if self.config.values['loop']:
-            self._start_ns += self._course.length_ns
-            return
-        self.done = True
-        self.get_logger().info('the course is done')
+    def _send_due(self, now_ns: int) -> bool:
+        """Send all that is due, and return whether that was anything; a loop has no last zero."""
+        sent = False
+        while due := self._course.due(self._next, now_ns - self._start_ns):
+            self._next += len(due)
+            lap = self._loop and self._next == len(self._course.twists)
+            for twist in due[:-1] if lap else due:
+                self._send(self._start_ns + twist.offset_ns, twist.v, twist.w)
+                sent = True
+            if not lap:
+                break
+            self._next, self._start_ns = 0, self._start_ns + self._course.length_ns
+        return sent
 
     def ready(self) -> bool:
         """Return whether every topic to wait for exists and is listened to."""
         for topic, types in self.get_topic_names_and_types():
-            if topic in self._unanswered and topic not in self._answers:
-                self._answers[topic] = self._listen(topic, types[0])
+            if topic in self._unanswered - set(self._answers) - self._unknown:
+                self._listen(topic, types[0])
         return self._unanswered <= set(self._answers)
 
     def _is_heard(self) -> bool:
@@ -158,11 +167,17 @@ class CommandSequence(DiffDriveNode[Config]):
             throttle_duration_sec=WAITING_REPORT_PERIOD_S, skip_first=True)
         return False
 
-    def _listen(self, topic: str, type_name: str) -> Subscription:
-        """Return a subscription to a topic of whatever type until it answers."""
+    def _listen(self, topic: str, type_name: str) -> None:
+        """Subscribe to a topic of whatever type until it answers."""
         package, _, name = type_name.split('/')
-        message_type = getattr(import_module(f'{package}.msg'), name)
-        return self.subscribe(
+        try:
+            message_type = getattr(import_module(f'{package}.msg'), name)
+        except (ImportError, AttributeError):
+            self._unknown.add(topic)
+            self.get_logger().error(
+                f"cannot wait for '{topic}': its type {type_name} is not installed here")
+            return
+        self._answers[topic] = self.subscribe(
             message_type, topic, lambda _: self._unanswered.discard(topic), raw=True)
 
     def _send(self, stamp_ns: int, v: float, w: float) -> None:

@@ -23,7 +23,7 @@ from diffdrive_kinematics.nodes.messages import (
 from diffdrive_kinematics.nodes.node import DiffDriveNode
 from diffdrive_kinematics.nodes.running import main_of
 from diffdrive_kinematics.nodes.tables import (
-    axis_limits, check_wiring, DIFF_DRIVE_CONTROLLER, wheel_geometry)
+    axis_limits, check_sides, check_wiring, DIFF_DRIVE_CONTROLLER, wheel_geometry)
 from geometry_msgs.msg import Twist as TwistMsg, TwistStamped
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64MultiArray
@@ -45,6 +45,7 @@ def build(values: Mapping[str, Any]) -> Config:
     """Return the configuration of parameter values, or raise ``ValueError``."""
     check_wiring(values, 'cmd_vel_topic', (
         'wheel_rates_topic', 'cmd_vel_out_topic', 'wheel_commands_topic'))
+    check_sides(values)
     settings = DriveSettings(
         wheel_geometry(values), axis_limits(values, 'linear.x'), axis_limits(values, 'angular.z'),
         max_wheel_rate=values['max_wheel_rate'], cmd_vel_timeout=values['cmd_vel_timeout'],
@@ -59,13 +60,18 @@ class DiffDriveController(DiffDriveNode[Config]):
         super().__init__(name, DIFF_DRIVE_CONTROLLER, build, **composition)
         values = self.config.values
         names = values['left_wheel_names'], values['right_wheel_names']
-        self._wheels = WheelMessage(*names)
+        self._wheels = WheelMessage(*names, source=self.source())
         self._wheel_commands = WheelCommandMessage(*names)
         self._twist = TwistMessage(values['base_frame_id'])
         self._drive = Drive(self.config.drive, self.now_ns())
         self._told_ns = -1
         self._heard_command = False
         self._next_type_check_ns = self.now_ns() + TYPE_CHECK_PERIOD_NS
+        if 0.0 < values['cmd_vel_timeout'] < values['stamp_tolerance']:
+            self.get_logger().warning(
+                f"stamp_tolerance is {values['stamp_tolerance']!r} and cmd_vel_timeout "
+                f"{values['cmd_vel_timeout']!r}: a command that is older than the timeout when it "
+                'comes is over at once')
         self._wheels_publisher = self.publisher(JointState, values['wheel_rates_topic'])
         topic = values['wheel_commands_topic']
         self._commands_publisher = self.publisher(Float64MultiArray, topic) if topic else None
@@ -77,6 +83,8 @@ class DiffDriveController(DiffDriveNode[Config]):
             TwistStamped if self._stamped else TwistMsg, values['cmd_vel_topic'],
             self._on_command)
         self._timer = self.every(values['publish_rate'], self._tick)
+        self._watchdog: Any = None
+        self._set_watchdog(self.config.drive.cmd_vel_timeout)
         self.parameters.on_change(self._configure)
 
     def command_type(self) -> str:
@@ -90,6 +98,8 @@ class DiffDriveController(DiffDriveNode[Config]):
     def _on_command(self, message: Any) -> None:
         now_ns = self._synchronised_now()
         self._heard_command = True
+        if self._watchdog:
+            self._watchdog.reset()
         stamp_ns, twist = now_ns, message
         if self._stamped:
             twist = message.twist
@@ -114,6 +124,17 @@ class DiffDriveController(DiffDriveNode[Config]):
         if not self._heard_command and now_ns >= self._next_type_check_ns:
             self._next_type_check_ns = now_ns + TYPE_CHECK_PERIOD_NS
             self._report_other_type()
+
+    def _set_watchdog(self, timeout: float) -> None:
+        if self._watchdog:
+            self.stop_timer(self._watchdog)
+        self._watchdog = self.every(1.0 / timeout, self._on_silence) if timeout else None
+
+    def _on_silence(self) -> None:
+        """End the command that no other has followed, however rarely the rates are repeated."""
+        end_ns = max(self._synchronised_now(), self._drive.deadline_ns or 0)
+        self._drive, changes = self._drive.advanced(end_ns)
+        self._tell(changes)
 
     def _last(self, changes: List[DriveTelling]) -> int:
         return changes[-1].stamp_ns if changes else self._told_ns
@@ -142,6 +163,7 @@ class DiffDriveController(DiffDriveNode[Config]):
         self._drive, changes = self._drive.configured(config.drive, self._synchronised_now())
         self._tell(changes)
         self._timer = self.retimed(self._timer, config.drive.publish_rate, self._tick)
+        self._set_watchdog(config.drive.cmd_vel_timeout)
 
     def _report_other_type(self) -> None:
         """Say so where commands are published in the type that is not listened to."""

@@ -23,7 +23,7 @@ from diffdrive_kinematics.nodes.command_sequence import CommandSequence
 from diffdrive_kinematics.nodes.diff_drive_controller import DiffDriveController
 from diffdrive_kinematics.nodes.node import DiffDriveNode
 from diffdrive_kinematics.nodes.report import drift_table, progress_line, Robot
-from diffdrive_kinematics.nodes.running import make_executor, run, spin, Stop
+from diffdrive_kinematics.nodes.running import finish, make_executor, run, spin, Stop
 from diffdrive_kinematics.nodes.share import share_directory
 from diffdrive_kinematics.nodes.simulated_base import SimulatedBase
 from diffdrive_kinematics.nodes.stepping import Stepper
@@ -103,10 +103,8 @@ class DiffDriveSim(DiffDriveNode[Config]):
         try:
             self._announce()
             (self.stepper.spin if self.stepper else spin)(executor, self._finished, stop)
-            for node in self.members:
-                node.close()
         finally:
-            executor.shutdown()
+            finish(self.members, executor)
 
     def finished(self) -> bool:
         """Return whether there was a course, and it is done."""
@@ -126,20 +124,23 @@ class DiffDriveSim(DiffDriveNode[Config]):
                   base.reading().pose) for base, fed in bases]
 
     def _finished(self) -> bool:
-        """Show progress, and tell whether the course is done and the robot at rest."""
+        """Show progress, and return whether the course is done and the robot at rest."""
         if not self._sequences:
             return False
         course = max(self._sequences, key=lambda node: node.length_s)
-        shown = int(PROGRESS_LINES * course.elapsed_s() / course.length_s)
-        if course.begun() and shown != self._shown and shown <= PROGRESS_LINES:
-            self._shown = shown
-            print(progress_line(course.elapsed_s(), course.length_s, self.robots()), flush=True)
+        self._show_progress(course)
         if not self.finished():
             return False
         now_ns = course.now_ns()
         self._rest_by_ns = self._rest_by_ns or now_ns + REST_TIMEOUT_NS
         return now_ns > self._rest_by_ns or all(
             base.reading().rates == (0.0, 0.0) for base in self._of(SimulatedBase))
+
+    def _show_progress(self, course: CommandSequence) -> None:
+        shown = int(PROGRESS_LINES * course.elapsed_s() / course.length_s)
+        if course.begun() and shown != self._shown and shown <= PROGRESS_LINES:
+            self._shown = shown
+            print(progress_line(course.elapsed_s(), course.length_s, self.robots()), flush=True)
 
     def _announce(self) -> None:
         """Say how to drive where nothing in this process does."""

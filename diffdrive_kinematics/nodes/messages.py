@@ -51,7 +51,8 @@ class WheelReader:
     """
     Reads wheel motion from JointState: joints in any order, several wheels a side.
 
-    A side's rate and position are the means over its wheels.
+    A side's rate and position are the means over its wheels.  ``header.frame_id``, which has no
+    other meaning in a JointState, tells one run of a publisher of this package from another.
     """
 
     def __init__(
@@ -86,7 +87,8 @@ class WheelReader:
         if rates is not None and positions is not None:
             rates = None if _is_nan(rates) else rates
             positions = None if _is_nan(positions) and rates else positions
-        return WheelSample(nanoseconds(message.header.stamp) or now_ns(), rates, positions)
+        return WheelSample(nanoseconds(message.header.stamp) or now_ns(), rates, positions,
+                           source=message.header.frame_id)
 
     def _find(
             self, names: Sequence[str]) -> Optional[Tuple[Tuple[int, ...], Tuple[int, ...]]]:
@@ -108,7 +110,7 @@ class WheelReader:
                 f'{field} has {len(values)} values, expected {len(self._known_names)}, one for '
                 'each name')
         left, right = (
-            math.fsum(values[i] for i in side) / len(side) for side in self._indices)
+            sum(values[i] for i in side) / len(side) for side in self._indices)
         return left, right
 
 
@@ -117,11 +119,18 @@ def _is_nan(pair: Pair) -> bool:
 
 
 class WheelMessage:
-    """A JointState for all wheels that is filled anew for each sample."""
+    """
+    A JointState for all wheels that is filled anew for each sample.
 
-    def __init__(self, left_names: Sequence[str], right_names: Sequence[str]) -> None:
+    ``source`` tells this run of this publisher from any other, so that positions that begin to
+    count anew are not taken for motion (see ``WheelReader``).
+    """
+
+    def __init__(
+            self, left_names: Sequence[str], right_names: Sequence[str], source: str = '') -> None:
         self._counts = (len(left_names), len(right_names))
         self.message = JointState(name=[*left_names, *right_names])
+        self.message.header.frame_id = source
 
     def filled(
             self, stamp_ns: int, rates: Optional[Pair], positions: Optional[Pair]) -> JointState:

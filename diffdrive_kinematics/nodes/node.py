@@ -15,14 +15,17 @@
 """Base class of the package's nodes: time, parameters, refusals, and an orderly end."""
 
 from collections import Counter
-from typing import Any, Callable, Generic, Mapping, Optional, Tuple, TypeVar
+import time
+from typing import Any, Callable, Generic, Mapping, Optional, Set, Tuple, TypeVar
 
+from diffdrive_kinematics.core.wheel_motion import Verdict
 from diffdrive_kinematics.nodes.clocks import period_ns, SteppedClock, StepWatch
-from diffdrive_kinematics.nodes.parameters import ParameterSet
+from diffdrive_kinematics.nodes.parameters import ConfigurationError, ParameterSet
 from diffdrive_kinematics.nodes.tables import Entry
 from diffdrive_kinematics.nodes.traffic import Traffic
 from rclpy.clock import Clock
 from rclpy.clock_type import ClockType
+from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rclpy.subscription import Subscription
@@ -68,6 +71,7 @@ class DiffDriveNode(Node, Generic[Config]):
         self._step_watch = StepWatch(self.time_clock)
         self.counts: 'Counter[str]' = Counter()
         self.done = False
+        self._topics: Set[str] = set()
         self.parameters: ParameterSet[Config] = ParameterSet(self, table, build)
 
     @property
@@ -106,15 +110,22 @@ class DiffDriveNode(Node, Generic[Config]):
         """Return the timer, or one in its place where it has another rate [Hz]."""
         if timer.timer_period_ns == period_ns(rate):
             return timer
+        self.stop_timer(timer)
+        return self.every(rate, callback)
+
+    def stop_timer(self, timer: Any) -> None:
+        """Never let a timer fire again."""
         timer.cancel()
         if not self._stepped:
             self.destroy_timer(timer)
-        return self.every(rate, callback)
+
+    def source(self) -> str:
+        """Return what tells this run of this node from any other."""
+        return f'{self.get_fully_qualified_name()}#{time.time_ns():x}'
 
     def publisher(self, message_type: type, topic: str) -> Publisher:
         """Return a reliable publisher."""
-        depth = STEPPED_QUEUE_DEPTH if self._stepped else QUEUE_DEPTH
-        publisher = self.create_publisher(message_type, topic, depth)
+        publisher = self._endpoint(self.create_publisher, message_type, topic)
         if self._traffic:
             self._traffic.count_sent(publisher)
         return publisher
@@ -131,7 +142,7 @@ class DiffDriveNode(Node, Generic[Config]):
         def guarded(message: Any) -> None:
             try:
                 callback(message)
-            except ValueError as error:
+            except (ValueError, OverflowError) as error:
                 self.refuse(f"message on '{topic}': {error}")
             finally:
                 if self._traffic:
@@ -140,12 +151,33 @@ class DiffDriveNode(Node, Generic[Config]):
         resolved = self.resolve_topic_name(topic)
         if self._traffic:
             self._traffic.add_listener(resolved)
-        return self.create_subscription(message_type, topic, guarded, QUEUE_DEPTH, raw=raw)
+        return self._endpoint(
+            lambda *endpoint: self.create_subscription(
+                endpoint[0], endpoint[1], guarded, endpoint[2], raw=raw), message_type, topic)
+
+    def _endpoint(self, create: Callable[..., Any], message_type: type, topic: str) -> Any:
+        """Return what ``create`` makes of a type, a topic and a depth."""
+        depth = STEPPED_QUEUE_DEPTH if self._stepped else QUEUE_DEPTH
+        resolved = self.resolve_topic_name(topic)
+        if resolved in self._topics:
+            raise ConfigurationError(
+                f'{self.get_fully_qualified_name()} refuses to start: it would hear itself on '
+                f"'{resolved}', expected different topics in and out")
+        try:
+            endpoint = create(message_type, topic, depth)
+        except rclpy_implementation.RCLError as error:
+            raise ConfigurationError(
+                f"{self.get_fully_qualified_name()} refuses to start: '{resolved}' cannot carry "
+                f'{message_type.__name__}, is it another type elsewhere in this process? '
+                f'({error})') from error
+        self._topics.add(resolved)
+        return endpoint
 
     def unsubscribe(self, subscription: Subscription) -> None:
         """Destroy a subscription."""
         if self._traffic:
             self._traffic.remove_listener(subscription.topic_name)
+        self._topics.discard(subscription.topic_name)
         self.destroy_subscription(subscription)
 
     def refuse(self, reason: str) -> None:
@@ -154,6 +186,16 @@ class DiffDriveNode(Node, Generic[Config]):
         self.get_logger().error(
             f"refused {reason} ({self.counts['refused']} so far)",
             throttle_duration_sec=REPORT_PERIOD_S)
+
+    def judge(self, verdict: Verdict, topic: str) -> None:
+        """Count and report wheel motion that was not taken as it came."""
+        if verdict in (Verdict.OUT_OF_ORDER, Verdict.CLOCK_STEP):
+            self.counts[verdict.value] += 1
+            self.get_logger().warning(
+                f"{verdict.value} in the stamps of '{topic}' "
+                f'({self.counts[verdict.value]} so far): '
+                + ('dropped' if verdict is Verdict.OUT_OF_ORDER else 'nothing integrated'),
+                throttle_duration_sec=REPORT_PERIOD_S)
 
     def ready(self) -> bool:
         """Return whether the node has all it can have before time begins to pass."""

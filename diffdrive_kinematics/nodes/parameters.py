@@ -51,6 +51,8 @@ def coerce(entry: tables.Entry, value: Any) -> Any:
         If the type does not fit; the message names parameter, value and expectation.
 
     """
+    if value is None and entry.kind in (tables.Kind.STRINGS, tables.Kind.DOUBLES):
+        value = ()  # what an empty list in YAML becomes
     accepted = _as_kind(entry.kind, value)
     if accepted is None:
         raise ValueError(f'{entry.name} is {value!r}, expected {entry.kind.value}')

@@ -18,6 +18,7 @@ import csv
 import gzip
 from pathlib import Path
 from typing import List, Sequence, Tuple
+import zlib
 
 __all__ = ['COMMAND_COLUMNS', 'read_columns']
 
@@ -37,7 +38,7 @@ def read_columns(path: str, columns: Sequence[str]) -> List[Tuple[float, ...]]:
     """
     open_text = gzip.open if Path(path).suffix == '.gz' else open
     try:
-        with open_text(path, 'rt', encoding='utf-8', newline='') as file:
+        with open_text(path, 'rt', encoding='utf-8-sig', newline='') as file:
             reader = csv.DictReader(file)
             missing = [name for name in columns if name not in (reader.fieldnames or ())]
             if missing:
@@ -45,7 +46,7 @@ def read_columns(path: str, columns: Sequence[str]) -> List[Tuple[float, ...]]:
                     f'{path} has the columns {reader.fieldnames!r}, expected also {missing!r}')
             return [_numbers(path, number, row, columns)
                     for number, row in enumerate(reader, start=1)]
-    except (OSError, EOFError, UnicodeDecodeError, csv.Error) as error:
+    except (OSError, EOFError, UnicodeDecodeError, csv.Error, zlib.error) as error:
         raise ValueError(f'{path} cannot be read as CSV: {error}') from error
 
 

@@ -27,14 +27,16 @@ from typing import Callable, Iterable, List, Optional
 from diffdrive_kinematics.nodes.node import DiffDriveNode
 from diffdrive_kinematics.nodes.parameters import ConfigurationError
 import rclpy
+from rclpy.exceptions import NameValidationException
 from rclpy.executors import Executor, ExternalShutdownException, SingleThreadedExecutor
 from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.signals import SignalHandlerOptions
 
-__all__ = ['Stop', 'main_of', 'make_executor', 'run', 'spin']
+__all__ = ['Stop', 'finish', 'main_of', 'make_executor', 'run', 'spin']
 
 SPIN_TIMEOUT_S = 0.1
 CONFIGURATION_ERROR = 2
+SIGNALS = (signal.SIGINT, signal.SIGTERM)
 
 
 class Stop:
@@ -42,7 +44,7 @@ class Stop:
 
     def __init__(self) -> None:
         self._asked = False
-        for number in (signal.SIGINT, signal.SIGTERM):
+        for number in SIGNALS:
             signal.signal(number, self._ask)
 
     def __bool__(self) -> bool:
@@ -77,7 +79,7 @@ def run(work: Callable[[Stop], int], args: Optional[List[str]] = None) -> int:
     try:
         rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
         return work(stop)
-    except rclpy_implementation.RCLError as error:
+    except (rclpy_implementation.RCLError, NameValidationException) as error:
         print(f'diffdrive_kinematics: {error}', file=sys.stderr)
         return CONFIGURATION_ERROR
     except ConfigurationError as error:
@@ -86,7 +88,16 @@ def run(work: Callable[[Stop], int], args: Optional[List[str]] = None) -> int:
     except (KeyboardInterrupt, ExternalShutdownException):
         return 0
     finally:
+        for number in SIGNALS:  # a second Ctrl-C does not cut short what is already ending
+            signal.signal(number, signal.SIG_IGN)
         rclpy.try_shutdown()
+
+
+def finish(nodes: Iterable[DiffDriveNode], executor: Executor) -> None:
+    """Let every node say its last word, then end the executor."""
+    for node in nodes:
+        node.close()
+    executor.shutdown()
 
 
 def main_of(make: Callable[[], DiffDriveNode]) -> Callable[[], None]:
@@ -96,9 +107,8 @@ def main_of(make: Callable[[], DiffDriveNode]) -> Callable[[], None]:
         executor = make_executor([node])
         try:
             spin(executor, lambda: node.done, stop)
-            node.close()
         finally:
-            executor.shutdown()
+            finish([node], executor)
             node.destroy_node()
         return 0
 

@@ -20,11 +20,12 @@ from typing import Any, Mapping, Optional
 from diffdrive_kinematics.core import odometry as core
 from diffdrive_kinematics.core.arc import Pose
 from diffdrive_kinematics.core.geometry import WheelGeometry
-from diffdrive_kinematics.core.wheel_motion import timeout_from_seconds, Verdict
+from diffdrive_kinematics.core.wheel_motion import timeout_from_seconds
 from diffdrive_kinematics.nodes.messages import OdometryMessage, WheelMessage, WheelReader
 from diffdrive_kinematics.nodes.node import DiffDriveNode
 from diffdrive_kinematics.nodes.running import main_of
-from diffdrive_kinematics.nodes.tables import check_wiring, SIMULATED_BASE, wheel_geometry
+from diffdrive_kinematics.nodes.tables import (
+    check_sides, check_wiring, SIMULATED_BASE, wheel_geometry)
 from diffdrive_kinematics.nodes.tf import TransformPublisher
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import JointState
@@ -44,6 +45,7 @@ class Config:
 def build(values: Mapping[str, Any]) -> Config:
     """Return the configuration of parameter values, or raise ``ValueError``."""
     check_wiring(values, 'wheel_motion_topic', ('odom_topic', 'joint_states_topic'))
+    check_sides(values)
     return Config(
         wheel_geometry(values), timeout_from_seconds(values['command_timeout']), values)
 
@@ -63,7 +65,7 @@ class SimulatedBase(DiffDriveNode[Config]):
         self._odometry = core.Odometry.starting_at(
             Pose(*values['initial_pose']), geometry=self.config.geometry,
             timeout_ns=self.config.timeout_ns)
-        self._wheels = WheelMessage(*names)
+        self._wheels = WheelMessage(*names, source=self.source())
         self._message = OdometryMessage(values['odom_frame_id'], values['base_frame_id'])
         self._set_covariances(values)
         topic = values['odom_topic']
@@ -85,8 +87,7 @@ class SimulatedBase(DiffDriveNode[Config]):
         if sample is None:
             return
         self._odometry, verdict = self._odometry.received(sample, now_ns)
-        if verdict in (Verdict.OUT_OF_ORDER, Verdict.CLOCK_STEP):
-            self.counts[verdict.value] += 1
+        self.judge(verdict, self.config.values['wheel_motion_topic'])
 
     def _tick(self) -> None:
         now_ns = self._synchronised_now()
@@ -117,7 +118,10 @@ class SimulatedBase(DiffDriveNode[Config]):
 
     def _configure(self, config: Config) -> None:
         now_ns = self._synchronised_now()
-        self._odometry = self._odometry.configured(config.geometry, config.timeout_ns, now_ns)
+        if (config.geometry, config.timeout_ns) != (
+                self._odometry.geometry, self._odometry.timeout_ns):
+            self._odometry = self._odometry.configured(
+                config.geometry, config.timeout_ns, now_ns)
         self._set_covariances(config.values)
         self._timer = self.retimed(self._timer, config.values['publish_rate'], self._tick)
 

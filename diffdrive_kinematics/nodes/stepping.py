@@ -90,8 +90,10 @@ class Stepper:
             if all(ready) and self._traffic.matched():
                 return
             executor.spin_once(timeout_sec=POLL_S)
-        self._node.get_logger().warning(
-            'not everything to wait for is in this process: the numbers depend on when it comes')
+        if not stop:
+            self._node.get_logger().warning(
+                'not everything to wait for is in this process: the numbers depend on when it '
+                'comes')
 
     def _step(self, executor: Executor) -> None:
         self._steps += 1

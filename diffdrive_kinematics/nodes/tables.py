@@ -29,11 +29,13 @@ from diffdrive_kinematics.core.checks import (
 from diffdrive_kinematics.core.geometry import WheelGeometry
 from diffdrive_kinematics.core.limits import AxisLimits
 from diffdrive_kinematics.core.noise import SLIP_MODELS
+from rclpy.exceptions import InvalidTopicNameException
+from rclpy.validate_topic_name import validate_topic_name
 
 __all__ = [
     'COMMAND_SEQUENCE', 'DIFFDRIVE_SIM', 'DIFF_DRIVE_CONTROLLER', 'Entry', 'KNOWN_NAMES', 'Kind',
     'SIMULATED_BASE', 'TABLES', 'WHEEL_NOISE', 'axis_limits', 'only_in_ros2_controllers',
-    'check_wiring', 'wheel_geometry',
+    'check_sides', 'check_wiring', 'wheel_geometry',
     'wheel_radii']
 
 Check = Callable[[str, Any], Any]
@@ -79,6 +81,11 @@ def _check_pose(name: str, value: Tuple[float, ...]) -> None:
         raise ValueError(f'{name} is {list(value)!r}, expected three finite numbers [x, y, yaw]')
 
 
+def _check_step(name: str, value: float) -> None:
+    if value and not 1e-6 <= value <= 1.0:
+        raise ValueError(f'{name} is {value!r}, expected 0, or a step from 1e-6 to 1 s')
+
+
 def _check_diagonal(name: str, value: Tuple[float, ...]) -> None:
     if len(value) != 6 or not all(math.isfinite(item) and item >= 0.0 for item in value):
         raise ValueError(
@@ -100,9 +107,26 @@ def _check_bias(name: str, value: float) -> None:
     check_above(name, value, -1.0)
 
 
-def _string(name: str, default: str, description: str, *, optional: bool = False) -> Entry:
-    return Entry(name, default, description, Kind.STRING, None if optional else _check_named,
-                 read_only=True)
+def _check_topic(name: str, value: str) -> None:
+    try:
+        validate_topic_name(value)
+    except InvalidTopicNameException as error:
+        reason = str(error).partition(':')[2].strip().partition(':\n')[0]
+        raise ValueError(f'{name} is {value!r}, expected a topic name ({reason})') from None
+
+
+def _check_optional_topic(name: str, value: str) -> None:
+    if value:
+        _check_topic(name, value)
+
+
+def _string(name: str, default: str, description: str, check: Optional[Check] = None) -> Entry:
+    return Entry(name, default, description, Kind.STRING, check, read_only=True)
+
+
+def _topic(name: str, default: str, description: str, *, optional: bool = False) -> Entry:
+    return _string(
+        name, default, description, _check_optional_topic if optional else _check_topic)
 
 
 _JOINTS = (
@@ -133,7 +157,7 @@ _LIMITS = {
     'max_deceleration_reverse': 'slowing down in reverse, above 0; NaN: -max_deceleration',
     'max_jerk': 'growth of the acceleration, above 0; NaN: no limit',
     'min_jerk': 'the same in reverse, below 0; NaN: -max_jerk',
-    'min_acceleration': 'older name of max_deceleration and max_acceleration_reverse together'}
+    'min_acceleration': 'older YAML: bound of every fall of the velocity, below 0'}
 _SWITCHES = {  # what their limits have in their names
     'has_velocity_limits': 'velocity', 'has_acceleration_limits': 'celeration',
     'has_jerk_limits': 'jerk'}
@@ -157,11 +181,11 @@ def _axis_entries() -> Tuple[Entry, ...]:
 
 DIFF_DRIVE_CONTROLLER = (
     *_GEOMETRY, *_JOINTS,
-    _string('cmd_vel_topic', 'cmd_vel', 'velocity commands in'),
-    _string('wheel_rates_topic', 'wheel_rates', 'wheel rates out, JointState'),
-    _string('wheel_commands_topic', '', 'wheel rates out as Float64MultiArray, left wheels then '
-            'right wheels, for a ros2_control velocity controller; empty: off', optional=True),
-    _string('cmd_vel_out_topic', 'cmd_vel_out', 'limited velocity out, TwistStamped'),
+    _topic('cmd_vel_topic', 'cmd_vel', 'velocity commands in'),
+    _topic('wheel_rates_topic', 'wheel_rates', 'wheel rates out, JointState'),
+    _topic('wheel_commands_topic', '', 'wheel rates out as Float64MultiArray, left wheels then '
+           'right wheels, for a ros2_control velocity controller; empty: off', optional=True),
+    _topic('cmd_vel_out_topic', 'cmd_vel_out', 'limited velocity out, TwistStamped'),
     Entry('publish_limited_velocity', False, 'whether to publish cmd_vel_out', Kind.BOOL,
           read_only=True),
     Entry('enable_stamped_cmd_vel', False, 'commands are TwistStamped instead of Twist', Kind.BOOL,
@@ -174,13 +198,13 @@ DIFF_DRIVE_CONTROLLER = (
           check=check_rate),
     Entry('max_wheel_rate', math.nan, 'bound [rad/s] of all wheels; beyond it both sides are '
           'scaled by one factor, so that the path keeps its curvature; NaN: none'),
-    _string('base_frame_id', 'base_link', 'frame of the limited velocity'),
+    _string('base_frame_id', 'base_link', 'frame of the limited velocity', _check_named),
     *_axis_entries())
 
 WHEEL_NOISE = (
     *_RADII, *_JOINTS,
-    _string('input_topic', 'wheel_rates', 'nominal wheel motion in'),
-    _string('output_topic', 'noisy_wheel_rates', 'effective wheel motion out'),
+    _topic('input_topic', 'wheel_rates', 'nominal wheel motion in'),
+    _topic('output_topic', 'noisy_wheel_rates', 'effective wheel motion out'),
     Entry('left_bias', 0.0, 'fraction of travel that the left wheel gains, above -1',
           check=_check_bias),
     Entry('right_bias', 0.0, 'fraction of travel that the right wheel gains, above -1',
@@ -200,9 +224,9 @@ WHEEL_NOISE = (
 
 SIMULATED_BASE = (
     *_GEOMETRY, *_JOINTS,
-    _string('wheel_motion_topic', 'wheel_rates', 'wheel motion in: rates, positions or both'),
-    _string('odom_topic', 'odom', 'odometry out; empty: off', optional=True),
-    _string('joint_states_topic', 'joint_states', 'joint states out; empty: off', optional=True),
+    _topic('wheel_motion_topic', 'wheel_rates', 'wheel motion in: rates, positions or both'),
+    _topic('odom_topic', 'odom', 'odometry out; empty: off', optional=True),
+    _topic('joint_states_topic', 'joint_states', 'joint states out; empty: off', optional=True),
     Entry('publish_rate', 50.0, 'rate [Hz] of odometry and joint states', check=check_rate),
     Entry('command_timeout', 0.5, 'silence [s] after which the wheels stop, at the last stamp '
           'plus this; 0: never', check=check_duration),
@@ -212,22 +236,22 @@ SIMULATED_BASE = (
           _check_pose, read_only=True),
     Entry('enable_odom_tf', True, 'broadcast odom_frame_id -> base_frame_id (needs tf2_msgs)',
           Kind.BOOL, read_only=True),
-    _string('odom_frame_id', 'odom', 'fixed frame of the odometry'),
-    _string('base_frame_id', 'base_link', 'frame of the robot'),
+    _string('odom_frame_id', 'odom', 'fixed frame of the odometry', _check_named),
+    _string('base_frame_id', 'base_link', 'frame of the robot', _check_named),
     Entry('pose_covariance_diagonal', [0.0] * 6, 'variances of the pose as published',
           Kind.DOUBLES, _check_diagonal),
     Entry('twist_covariance_diagonal', [0.0] * 6, 'variances of the twist as published',
           Kind.DOUBLES, _check_diagonal))
 
 COMMAND_SEQUENCE = (
-    _string('cmd_vel_topic', 'cmd_vel', 'velocity commands out'),
+    _topic('cmd_vel_topic', 'cmd_vel', 'velocity commands out'),
     Entry('enable_stamped_cmd_vel', False, 'publish TwistStamped instead of Twist', Kind.BOOL,
           read_only=True),
-    _string('base_frame_id', 'base_link', 'frame of stamped commands'),
+    _string('base_frame_id', 'base_link', 'frame of stamped commands', _check_named),
     Entry('commands', [], 'v [m/s], omega [rad/s], duration [s] of each command, one after '
           'another in one flat list', Kind.DOUBLES, read_only=True),
     _string('recording', '', 'CSV file (or .csv.gz) time_sec,linear_x,angular_z to play instead '
-            'of commands', optional=True),
+            'of commands'),
     Entry('loop', False, 'start again at the end, until stopped', Kind.BOOL, read_only=True),
     Entry('publish_rate', 50.0, 'rate [Hz] at which a held command is repeated',
           check=check_rate, read_only=True),
@@ -237,7 +261,7 @@ COMMAND_SEQUENCE = (
 DIFFDRIVE_SIM = (
     Entry('nodes', [], "what to compose: 'class' or 'class:name'", Kind.STRINGS, read_only=True),
     Entry('clock_step', 0.0, 'step [s] of a simulated clock that is published on /clock; 0: real '
-          'time', check=check_duration, read_only=True),
+          'time', check=_check_step, read_only=True),
     Entry('real_time_factor', 0.0, 'pace of the simulated clock; 0: as fast as the nodes can '
           'follow', check=check_non_negative, read_only=True))
 
@@ -279,9 +303,10 @@ def axis_limits(values: Values, axis: str) -> AxisLimits:
     """Return the limits of ``linear.x`` or ``angular.z``; ``ValueError`` names the parameter."""
     limits = {limit: values[f'{axis}.{limit}'] for limit in _LIMITS}
     older = limits.pop('min_acceleration')
-    for limit in ('max_deceleration', 'max_acceleration_reverse'):
-        if math.isnan(limits[limit]):
-            limits[limit] = older
+    if not math.isnan(older):  # it bounded every fall of the velocity, max_acceleration every rise
+        for limit, bound in (('max_deceleration', older), ('max_acceleration_reverse', older),
+                             ('max_deceleration_reverse', limits['max_acceleration'])):
+            limits[limit] = bound if math.isnan(limits[limit]) else limits[limit]
     for switch, what in _SWITCHES.items():
         if not values[f'{axis}.{switch}']:
             limits.update({limit: math.nan for limit in limits if what in limit})
@@ -297,3 +322,12 @@ def check_wiring(values: Values, source: str, outputs: Tuple[str, ...]) -> None:
         if values[output] and values[output].strip('/') == values[source].strip('/'):
             raise ValueError(
                 f'{output} is {values[output]!r}, expected another topic than {source}')
+
+
+def check_sides(values: Values) -> None:
+    """Raise ``ValueError`` where a joint is on both sides of the robot."""
+    both = set(values['left_wheel_names']) & set(values['right_wheel_names'])
+    if both:
+        raise ValueError(
+            f'left_wheel_names and right_wheel_names both have {sorted(both)!r}, expected '
+            'different joints')

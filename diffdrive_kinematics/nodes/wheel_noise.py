@@ -19,11 +19,11 @@ from typing import Any, Mapping
 
 from diffdrive_kinematics.core.noise import WheelSlip
 from diffdrive_kinematics.core.slip_stream import SlipStream
-from diffdrive_kinematics.core.wheel_motion import timeout_from_seconds, Verdict
+from diffdrive_kinematics.core.wheel_motion import timeout_from_seconds
 from diffdrive_kinematics.nodes.messages import WheelMessage, WheelReader
 from diffdrive_kinematics.nodes.node import DiffDriveNode
 from diffdrive_kinematics.nodes.running import main_of
-from diffdrive_kinematics.nodes.tables import check_wiring, WHEEL_NOISE, wheel_radii
+from diffdrive_kinematics.nodes.tables import check_sides, check_wiring, WHEEL_NOISE, wheel_radii
 import numpy as np
 from sensor_msgs.msg import JointState
 
@@ -39,6 +39,7 @@ class Config:
 def build(values: Mapping[str, Any]) -> Config:
     """Return the configuration of parameter values, or raise ``ValueError``."""
     check_wiring(values, 'input_topic', ('output_topic',))
+    check_sides(values)
     left, right = (
         WheelSlip(values[f'{side}_bias'], values[f'{side}_slip_variance'], values['slip_model'])
         for side in ('left', 'right'))
@@ -55,7 +56,7 @@ class WheelNoise(DiffDriveNode[Config]):
         values = self.config.values
         names = values['left_wheel_names'], values['right_wheel_names']
         self._reader = WheelReader(*names)
-        self._wheels = WheelMessage(*names)
+        self._wheels = WheelMessage(*names, source=self.source())
         self._stream = self.config.stream
         self._seed = values['seed']
         self._generator = np.random.default_rng(self._seed)
@@ -68,8 +69,7 @@ class WheelNoise(DiffDriveNode[Config]):
         if sample is None:
             return
         self._stream, noisy, verdict = self._stream.passed(sample, self._generator)
-        if verdict in (Verdict.OUT_OF_ORDER, Verdict.CLOCK_STEP):
-            self.counts[verdict.value] += 1
+        self.judge(verdict, self.config.values['input_topic'])
         if noisy is not None:
             self._publisher.publish(
                 self._wheels.filled(noisy.stamp_ns, noisy.rates, noisy.positions))

@@ -19,7 +19,8 @@ import pytest
 
 durations = st.integers(0, 10**10).map(lambda ns: ns / 1e9)
 commands = st.lists(st.builds(
-    Command, st.floats(-1.0, 1.0), st.floats(-1.0, 1.0), durations), min_size=1, max_size=6)
+    Command, st.floats(-1.0, 1.0), st.floats(-1.0, 1.0), durations), min_size=1, max_size=6
+).filter(lambda listed: any(command.duration for command in listed))
 
 
 @given(commands)
@@ -56,6 +57,7 @@ def test_of_rows_with_the_same_time_the_last_one_wins_and_the_others_are_counted
 
 @pytest.mark.parametrize('rows, words', [
     ([], 'no rows'),
+    ([(0.0, 0.1, 0.0), (0.0, 0.2, 0.0)], 'one time only'),
     ([(0.0, 0.1, 0.0), (float('nan'), 0.1, 0.0)], 'time in row 2 is nan'),
     ([(0.0, 0.1, 0.0), (1.0, 0.1, float('inf'))], 'angular_z in row 2 is inf'),
     ([(1.0, 0.1, 0.0), (0.5, 0.1, 0.0)], 'expected 1.0 or later')])
@@ -64,6 +66,8 @@ def test_a_bad_recording_is_refused_with_its_row(rows, words):
         course_from_recording(rows)
 
 
-def test_a_course_without_commands_is_refused():
-    with pytest.raises(ValueError, match='commands is empty'):
-        course_from_commands([])
+@pytest.mark.parametrize('listed, words', [
+    ([], 'commands is empty'), ([Command(0.1, 0.0, 0.0)], 'commands last 0 s')])
+def test_a_course_that_takes_no_time_is_refused(listed, words):
+    with pytest.raises(ValueError, match=words):
+        course_from_commands(listed)

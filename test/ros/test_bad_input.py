@@ -69,6 +69,9 @@ def test_a_command_that_is_not_finite_stops_the_robot_and_is_reported(graph, v, 
      ['linear.x.max_deceleration is 2.0', 'below 0']),
     (CONTROLLER, {**KHEPERA, 'wheel_rates_topic': 'cmd_vel'},
      ["wheel_rates_topic is 'cmd_vel'", 'another topic']),
+    (CONTROLLER, {**KHEPERA, 'left_wheel_names': ['a'], 'right_wheel_names': ['a']},
+     ["both have ['a']", 'different joints']),
+    (CONTROLLER, {**KHEPERA, 'publish_rate': 1e9}, ['publish_rate is 1000000000.0', '1e6 Hz']),
     ('wheel_noise', {'wheel_radius': 0.02, 'left_bias': -1.5}, ['left_bias is -1.5', 'above -1']),
     ('wheel_noise', {'wheel_radius': 0.02, 'slip_model': 'x'}, ["slip_model is 'x'", "'travel'"]),
     ('simulated_base', {**KHEPERA, 'initial_pose': [1.0, 2.0]},
@@ -77,6 +80,7 @@ def test_a_command_that_is_not_finite_stops_the_robot_and_is_reported(graph, v, 
      ["odom_topic is 'wheel_rates'", 'another topic']),
     ('command_sequence', {}, ['commands is []', 'one of them']),
     ('command_sequence', {'commands': [0.1, 0.2]}, ['commands has 2 numbers', 'three']),
+    ('command_sequence', {'commands': [0.1, 0.0, 0.0]}, ['last 0 s', 'above 0']),
     ('command_sequence', {'recording': '/no/such.csv'}, ["'/no/such.csv'", 'cannot be read']),
 ])
 def test_a_bad_parameter_at_start_is_refused_by_name_value_and_rule(
@@ -172,6 +176,7 @@ def test_a_stamped_controller_listens_to_stamped_commands(graph):
     (['left_wheel_joint', 'right_wheel_joint'], [math.inf, 0.0], [], 'expected finite numbers'),
     (['left_wheel_joint', 'right_wheel_joint'], [], [1.0], 'velocity has 1 values, expected 2'),
     (['left_wheel_joint', 'right_wheel_joint'], [], [], 'at least one of them'),
+    (['left_wheel_joint', 'right_wheel_joint'], [], [1.7e308, 1.0], 'expected finite numbers'),
     (['left_wheel_joint'], [], [1.0], "expected also ['right_wheel_joint']"),
 ])
 def test_bad_wheel_motion_is_refused_and_moves_nothing(graph, name, positions, velocities, words):
@@ -185,3 +190,34 @@ def test_bad_wheel_motion_is_refused_and_moves_nothing(graph, name, positions, v
     message = graph.wait_for(lambda: joints, 'joint states')[-1]
     assert list(message.position) == list(message.velocity) == [0.0, 0.0]
     assert base.stop(signal.SIGTERM) == 0
+
+
+@pytest.mark.parametrize('parameters, extra, words', [
+    ({'odom_topic': 'bad-topic'}, [], "odom_topic is 'bad-topic', expected a topic name"),
+    ({'wheel_motion_topic': '/r/odom'}, ['-r', '__ns:=/r'], "hear itself on '/r/odom'")])
+def test_wiring_that_cannot_work_is_refused_once_names_are_resolved(
+        graph, parameters, extra, words):
+    base = graph.start('simulated_base', {**KHEPERA, **parameters}, *extra)
+    assert base.wait() == 2
+    assert words in base.output and 'Traceback' not in base.output
+
+
+def test_an_empty_list_in_the_yaml_is_an_empty_list(graph, tmp_path):
+    params = tmp_path / 'course.yaml'
+    params.write_text('/**:\n  ros__parameters:\n    commands: [0.1, 0.0, 0.1]\n'
+                      '    wait_for_topics: []\n')
+    graph.collect(Twist, 'cmd_vel')
+    sequence = graph.start('command_sequence', args=['--ros-args', '--params-file', str(params)])
+    assert graph.wait_for(lambda: not sequence.running, 'the course') and sequence.wait() == 0
+
+
+def test_two_types_of_cmd_vel_in_one_process_are_refused_by_topic(graph, tmp_path):
+    params = tmp_path / 'mixed.yaml'
+    params.write_text(
+        '/**:\n  ros__parameters:\n    wheel_radius: 0.021\n    wheel_separation: 0.0885\n'
+        '    commands: [0.1, 0.0, 1.0]\n    nodes: [command_sequence, diff_drive_controller]\n'
+        'diff_drive_controller:\n  ros__parameters:\n    enable_stamped_cmd_vel: true\n')
+    sim = graph.start('diffdrive_sim', args=['--ros-args', '--params-file', str(params)])
+    assert sim.wait() == 2
+    assert "'/cmd_vel' cannot carry TwistStamped" in sim.output
+    assert 'Traceback' not in sim.output

@@ -70,6 +70,8 @@ def test_a_loop_starts_again_without_a_gap(graph):
     graph.wait_for(lambda: len([t for _, t in changes(commands) if t == (0.1, 0.0)]) > 3, 'laps')
     begins = [stamp_ns(message) for message, twist in changes(commands) if twist == (0.1, 0.0)]
     assert {b - a for a, b in zip(begins, begins[1:])} == {250_000_000}
+    first = commands.index(changes(commands)[1][0])
+    assert all(message.twist.linear.x for message in commands[first:])  # no zero between laps
     assert sequence.stop() == 0
     graph.wait_for(lambda: changes(commands)[-1][1] == (0.0, 0.0), 'zero at the end')
 

@@ -46,6 +46,20 @@ def test_an_executable_ends_with_status_0_and_no_traceback(graph, name, number):
     assert 'Traceback' not in process.output
 
 
+@pytest.mark.parametrize('name', EXECUTABLES)
+def test_a_second_signal_does_not_cut_the_end_short(graph, name):
+    process = graph.start(name, EXECUTABLES[name])
+    graph.wait_for(lambda: name in graph.node.get_node_names(), f'{name} to start')
+
+    def asked():
+        process.send(signal.SIGINT)
+        return not process.running
+
+    graph.wait_for(asked, 'the end')
+    assert process.wait() == 0, process.output
+    assert 'Traceback' not in process.output
+
+
 def test_the_demo_shows_progress_and_ends_with_belief_truth_and_drift(graph):
     demo = graph.start('diffdrive_sim', args=[])
     assert demo.wait() == 0

@@ -31,6 +31,7 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.qos import QoSProfile
 
 DEADLINE_S = 90.0
+START = 'from diffdrive_kinematics.executables import {0}; {0}()'  # what the scripts do
 DEEP = QoSProfile(depth=100_000)
 KHEPERA = {'wheel_radius': 0.021, 'wheel_separation': 0.0885}
 
@@ -57,7 +58,7 @@ class Process:
         self.name = name
         self._file = tempfile.TemporaryFile(mode='w+')
         self._popen = subprocess.Popen(
-            [sys.executable, '-m', f'diffdrive_kinematics.nodes.{name}', *args],
+            [sys.executable, '-c', START.format(name), *args],
             stdin=subprocess.DEVNULL, stdout=self._file, stderr=subprocess.STDOUT,
             env=environment, cwd=cwd)
 
@@ -70,10 +71,13 @@ class Process:
         self._file.seek(0)
         return self._file.read()
 
-    def stop(self, number=signal.SIGINT):
-        """Send a signal, and return the exit status."""
+    def send(self, number):
         if self.running:
             self._popen.send_signal(number)
+
+    def stop(self, number=signal.SIGINT):
+        """Send a signal, and return the exit status."""
+        self.send(number)
         return self.wait()
 
     def wait(self, timeout=DEADLINE_S):

@@ -1,0 +1,58 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""
+What ``ros2 run`` starts: one function an executable.
+
+Signals are answered from the first moment on, before rclpy and numpy are imported, which takes
+longer than an impatient Ctrl-C.
+"""
+
+from importlib import import_module
+import signal
+import sys
+
+__all__ = [
+    'command_sequence', 'diff_drive_controller', 'diffdrive_sim', 'simulated_base', 'wheel_noise']
+
+
+def _start(name: str) -> None:
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, lambda *_: sys.exit(0))
+    import_module(f'diffdrive_kinematics.nodes.{name}').main()
+
+
+def command_sequence() -> None:
+    """Run ``command_sequence``."""
+    _start('command_sequence')
+
+
+def diff_drive_controller() -> None:
+    """Run ``diff_drive_controller``."""
+    _start('diff_drive_controller')
+
+
+def diffdrive_sim() -> None:
+    """Run ``diffdrive_sim``."""
+    _start('diffdrive_sim')
+
+
+def simulated_base() -> None:
+    """Run ``simulated_base``."""
+    _start('simulated_base')
+
+
+def wheel_noise() -> None:
+    """Run ``wheel_noise``."""
+    _start('wheel_noise')
