@@ -355,3 +355,19 @@ def test_a_drive_that_was_never_commanded_stands_and_tells_so():
 def test_what_is_told_is_never_before_the_last_change():
     drive, (change,) = driven(PLAIN, [(S, AHEAD)])
     assert drive.told(0) == change
+
+
+@pytest.mark.parametrize('rate', [1.0, 10.0, 500.0])
+def test_a_change_of_the_rate_during_a_ramp_does_not_make_it_steeper(rate):
+    """Guard 50 m/s^2 where 1 m/s^2 is allowed."""
+    limits = AxisLimits(max_acceleration=1.0)
+    drive = Drive(DriveSettings(LINE.geometry, limits, publish_rate=50.0, cmd_vel_timeout=0.0), 0)
+    drive, told = drive.commanded(Twist(3.0, 0.0), S)
+    drive, more = drive.advanced(S + 105 * MS)
+    told += more
+    drive, more = drive.configured(replace(drive.settings, publish_rate=rate), S + 105 * MS)
+    told += more + drive.advanced(9 * S)[1]
+    for before, after in zip(told, told[1:]):
+        seconds = (after.stamp_ns - before.stamp_ns) / 1e9
+        assert after.twist.v - before.twist.v <= seconds * (1.0 + 1e-9)
+    assert told[-1].twist.v == 3.0

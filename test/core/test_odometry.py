@@ -347,3 +347,12 @@ def test_many_turns_lose_no_digit_of_the_heading():
         right = mpmath.mpf(GEOMETRY.right_radius) * reading.angles[1]
         theta = 3 + (right - left) / GEOMETRY.separation
         assert abs(mpmath.fmod(theta - reading.pose.theta + 1, 2 * mpmath.pi) - 1) < 1e-11
+
+
+def test_a_stop_that_is_under_way_while_settings_change_is_obeyed():
+    """Guard a base that drives on, for good where the publisher does not repeat itself."""
+    odometry = fed(START, [WheelSample(100 * MS, (5.0, 5.0))])
+    changed = odometry.configured(GEOMETRY, None, 205 * MS)
+    stopped = fed(changed, [WheelSample(200 * MS, (0.0, 0.0))])
+    assert stopped.at(9 * S).rates == (0.0, 0.0)
+    assert stopped.at(9 * S).pose == stopped.at(206 * MS).pose

@@ -284,3 +284,16 @@ def test_silence_counts_only_until_the_timeout():
     _, out = passed(SlipStream(RADII, WheelSlip(), WheelSlip(), None), [
         WheelSample(0, A), WheelSample(9 * S, A)])
     assert out[1].positions == pytest.approx((45.0, -36.0))
+
+
+def test_motion_goes_on_after_the_clock_of_a_robot_at_rest_was_stepped_back():
+    """Guard a truth that stays where it is for as long as the step was long."""
+    rest = [WheelSample(k * 20 * MS, STILL, (0.0, 0.0)) for k in range(1, 500)]
+    back = 5 * S
+    after = [WheelSample(back + k * 20 * MS, STILL, (0.0, 0.0)) for k in range(3)]
+    drive = [WheelSample(back + k * 20 * MS, A, (0.02 * (k - 3) * A[0], 0.02 * (k - 3) * A[1]))
+             for k in range(3, 103)]
+    samples = [*rest, *after, *drive]
+    _, out = passed(CLEAN, samples)
+    end = samples[-1].stamp_ns
+    assert fed(START, out).at(end).angles == pytest.approx((1.98 * A[0], 1.98 * A[1]), abs=1e-9)

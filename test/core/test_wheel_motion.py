@@ -275,3 +275,39 @@ def test_the_largest_values_are_accepted():
 @pytest.mark.parametrize(('seconds', 'timeout_ns'), [(0.0, None), (0.5, T), (1e-9, 1), (3, 3 * S)])
 def test_a_timeout_of_zero_seconds_is_none(seconds, timeout_ns):
     assert timeout_from_seconds(seconds) == timeout_ns
+
+
+@LAW
+@given(pairs, pairs, st.sampled_from([A, None]))
+def test_the_first_positions_of_another_source_are_a_baseline(old, new, rates):
+    """Guard a jump by all that was driven when a publisher is restarted, or a second one comes."""
+    samples = [
+        WheelSample(0, A, old, source='one'),
+        WheelSample(100 * MS, A, (old[0] + 0.1, old[1] + 0.2), source='one'),
+        WheelSample(200 * MS, rates, new, source='two'),
+        WheelSample(300 * MS, rates, (new[0] + 0.5, new[1] - 0.5), source='two')]
+    assert angle_at(samples, 300 * MS) == pytest.approx((0.2 + 0.5, 0.4 - 0.5), abs=1e-12)
+
+
+def test_two_sources_that_take_turns_hold_the_rates_of_the_one_before():
+    samples = [WheelSample(0, A, (50.0, 50.0), source='one')]
+    for k in range(1, 9):
+        positions = (0.0, 0.0) if k % 2 else (50.0 + 0.1 * k, 50.0 + 0.2 * k)
+        rates = STILL if k % 2 else A
+        samples.append(WheelSample(k * 100 * MS, rates, positions, source='one two'.split()[k % 2]))
+    assert angle_at(samples, 800 * MS) == pytest.approx((0.4, 0.8), abs=1e-12)
+
+
+def test_a_clock_that_is_ahead_for_good_makes_one_step_and_counts_from_then_on():
+    ahead = NOW + 3 * S
+    samples = [WheelSample(ahead + k * 20 * MS, None, (0.1 * k, 0.1 * k)) for k in range(5)]
+    motion, angle, verdicts = play([WheelSample(NOW - S, None, (0.0, 0.0)), *samples])
+    assert verdicts == [Verdict.CLOCK_STEP, *[Verdict.MOVED] * 4]
+    assert angle == pytest.approx((0.4, 0.4), abs=1e-12)
+
+
+def test_a_repeat_from_long_before_the_last_one_is_a_step_of_the_clock():
+    samples = [WheelSample(0, A), WheelSample(10 * S, A), WheelSample(5 * S, A)]
+    motion, _, verdicts = play(samples, timeout_ns=None)
+    assert verdicts == [Verdict.REPEATED, Verdict.CLOCK_STEP]
+    assert motion.anchor_ns == motion.last_ns == 5 * S
