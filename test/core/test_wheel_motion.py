@@ -294,7 +294,8 @@ def test_two_sources_that_take_turns_hold_the_rates_of_the_one_before():
     for k in range(1, 9):
         positions = (0.0, 0.0) if k % 2 else (50.0 + 0.1 * k, 50.0 + 0.2 * k)
         rates = STILL if k % 2 else A
-        samples.append(WheelSample(k * 100 * MS, rates, positions, source='one two'.split()[k % 2]))
+        samples.append(
+            WheelSample(k * 100 * MS, rates, positions, source=('one', 'two')[k % 2]))
     assert angle_at(samples, 800 * MS) == pytest.approx((0.4, 0.8), abs=1e-12)
 
 
