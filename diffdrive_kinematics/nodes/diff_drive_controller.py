@@ -30,6 +30,7 @@ from std_msgs.msg import Float64MultiArray
 
 STILL = Twist(0.0, 0.0)
 TYPE_CHECK_PERIOD_NS = 2_000_000_000
+MOST_WATCHDOG_CALLS = 1000.0  # [Hz]
 
 
 @dataclass(frozen=True)
@@ -128,7 +129,8 @@ class DiffDriveController(DiffDriveNode[Config]):
     def _set_watchdog(self, timeout: float) -> None:
         if self._watchdog:
             self.stop_timer(self._watchdog)
-        self._watchdog = self.every(1.0 / timeout, self._on_silence) if timeout else None
+        rate = min(1.0 / timeout, MOST_WATCHDOG_CALLS) if timeout else 0.0
+        self._watchdog = self.every(rate, self._on_silence) if rate else None
 
     def _on_silence(self) -> None:
         """End the command that no other has followed, however rarely the rates are repeated."""
