@@ -107,7 +107,7 @@ def test_a_params_file_that_does_not_exist_is_named(graph):
     (double('linear.x.max_acceleration', -1.0), ['linear.x.max_acceleration is -1.0', 'above 0']),
 ])
 def test_a_bad_parameter_at_run_time_is_refused_and_the_old_value_stays(graph, change, words):
-    controller = graph.start(CONTROLLER, KHEPERA)
+    controller = graph.start(CONTROLLER, {**KHEPERA, 'cmd_vel_timeout': 0.0})
     rates = graph.collect(JointState, 'wheel_rates')
     commands = graph.publisher(Twist, 'cmd_vel')
     get = GetParameters.Request(names=[change.name])
@@ -164,7 +164,8 @@ def test_commands_of_the_other_type_are_reported(graph, stamped):
 
 
 def test_a_stamped_controller_listens_to_stamped_commands(graph):
-    graph.start(CONTROLLER, {**KHEPERA, 'enable_stamped_cmd_vel': True})
+    graph.start(
+        CONTROLLER, {**KHEPERA, 'enable_stamped_cmd_vel': True, 'cmd_vel_timeout': 0.0})
     rates = graph.collect(JointState, 'wheel_rates')
     commands = graph.publisher(TwistStamped, 'cmd_vel')
     commands.publish(twist_stamped(graph.now_ns(), 0.021, 0.0))

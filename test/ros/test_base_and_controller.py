@@ -92,11 +92,11 @@ def test_a_missing_tf2_msgs_is_one_warning_and_the_rest_runs_on(graph):
 def test_rates_come_as_a_float64_multi_array_too_where_the_yaml_asks_for_it(graph):
     graph.start('diff_drive_controller', {
         **KHEPERA, 'left_wheel_names': ['fl', 'rl'], 'right_wheel_names': ['fr', 'rr'],
-        'wheel_commands_topic': 'wheels/commands'})
+        'wheel_commands_topic': 'wheels/commands', 'cmd_vel_timeout': 0.0})
     arrays = graph.collect(Float64MultiArray, 'wheels/commands')
     rates = graph.collect(JointState, 'wheel_rates')
     graph.publisher(Twist, 'cmd_vel').publish(twist(0.021, 0.5))
-    graph.wait_for(lambda: arrays and arrays[-1].data[0], 'rates')
+    graph.wait_for(lambda: arrays and arrays[-1].data[0] and rates, 'rates')
     turn = 0.5 * 0.0885 / 2.0 / 0.021
     assert list(arrays[-1].data) == pytest.approx(
         [1.0 - turn, 1.0 - turn, 1.0 + turn, 1.0 + turn], rel=1e-12)
@@ -108,6 +108,7 @@ def test_the_drive_brakes_through_the_limiter_after_the_timeout(graph):
         **KHEPERA, 'cmd_vel_timeout': 0.2, 'publish_limited_velocity': True,
         'linear.x.max_acceleration': 2.0, 'linear.x.max_deceleration': -0.5})
     out = graph.collect(TwistStamped, 'cmd_vel_out')
+    graph.wait_for(lambda: out, 'the first limited velocity')
     graph.publisher(Twist, 'cmd_vel').publish(twist(0.1, 0.0))
     graph.wait_for(lambda: any(message.twist.linear.x == 0.1 for message in out), 'full speed')
     graph.wait_for(lambda: out[-1].twist.linear.x == 0.0, 'the stop')
@@ -121,7 +122,7 @@ def test_the_drive_brakes_through_the_limiter_after_the_timeout(graph):
 
 def test_both_wheels_are_scaled_by_one_factor_at_the_wheel_rate_bound(graph):
     graph.start('diff_drive_controller', {
-        **KHEPERA, 'max_wheel_rate': 5.0, 'publish_limited_velocity': True})
+        **KHEPERA, 'max_wheel_rate': 5.0, 'cmd_vel_timeout': 0.0})
     rates = graph.collect(JointState, 'wheel_rates')
     graph.publisher(Twist, 'cmd_vel').publish(twist(0.42, 4.0))
     graph.wait_for(lambda: rates and rates[-1].velocity[0], 'rates')

@@ -44,14 +44,29 @@ def rates_of(number):
     return 4.0 + math.sin(0.01 * number), -6.0 - math.cos(0.02 * number)
 
 
+def warm_up(graph, inputs, outputs, message, end):
+    """Let the wheels rest until the outputs are heard; then forget these."""
+    stamps = iter(range(end - 900_000_000, end, 1_000_000))
+
+    def heard():
+        set_stamp(message, next(stamps))
+        inputs.publish(message)
+        return outputs
+
+    graph.wait_for(heard, 'the noise node')
+    last = stamp_ns(message)
+    graph.wait_for(lambda: stamp_ns(outputs[-1]) == last, 'the end of the rest')
+    outputs.clear()
+
+
 def pass_through(graph, rate, settings=SETTINGS, messages=MESSAGES):
     """Send wheel rates with stamps at a rate [Hz] through a noise node; return what comes out."""
     noise = graph.start('wheel_noise', settings)
     outputs = graph.collect(JointState, 'noisy_wheel_rates')
     inputs = graph.publisher(JointState, 'wheel_rates')
-    graph.wait_for(lambda: graph.node.count_publishers('noisy_wheel_rates'), 'the noise node')
-    message = JointState(name=JOINTS)
+    message = JointState(name=JOINTS, velocity=[0.0, 0.0])
     start, period = 1_000_000_000_000, round(1e9 / rate)
+    warm_up(graph, inputs, outputs, message, start)
     for number in range(messages):
         set_stamp(message, start + number * period)
         message.velocity = list(rates_of(number))
@@ -68,8 +83,7 @@ def pass_through(graph, rate, settings=SETTINGS, messages=MESSAGES):
 @pytest.mark.parametrize('rate', [20.0, 100.0])
 def test_bias_and_slip_have_the_mean_and_variance_that_were_set(graph, rate):
     outputs = pass_through(graph, rate)
-    assert list(outputs[0].position) == []
-    positions = np.array([[0.0, 0.0], *(message.position for message in outputs[1:])])
+    positions = np.array([message.position for message in outputs])
     effective = RADIUS * np.diff(positions, axis=0)
     nominal = RADIUS / rate * np.array([rates_of(number) for number in range(MESSAGES - 1)])
     low, high = chi_square_bounds(MESSAGES - 1 - (MESSAGES - 1) // 50)
@@ -88,7 +102,7 @@ def test_bias_and_slip_have_the_mean_and_variance_that_were_set(graph, rate):
 
 def test_velocity_is_the_rate_times_what_the_interval_past_made_of_its_travel(graph):
     outputs = pass_through(graph, 20.0, messages=60)
-    for number, (before, message) in enumerate(zip(outputs[1:], outputs[2:]), start=2):
+    for number, (before, message) in enumerate(zip(outputs, outputs[1:]), start=1):
         for wheel in range(2):
             asked, nominal = rates_of(number)[wheel], rates_of(number - 1)[wheel] / 20.0
             if nominal == 0.0:
@@ -97,7 +111,8 @@ def test_velocity_is_the_rate_times_what_the_interval_past_made_of_its_travel(gr
             else:
                 ratio = (message.position[wheel] - before.position[wheel]) / nominal
             assert message.velocity[wheel] == pytest.approx(asked * ratio, rel=1e-9)
-    assert [stamp_ns(message) for message in outputs] == sorted(map(stamp_ns, outputs))
+    stamps = list(map(stamp_ns, outputs))
+    assert stamps == sorted(set(stamps))
 
 
 def test_same_seed_and_input_give_the_same_output_bit_for_bit(graph):

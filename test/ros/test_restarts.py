@@ -147,6 +147,11 @@ def test_the_watchdog_does_not_wait_for_the_next_repeat(graph):
     graph.start('diff_drive_controller', {
         **KHEPERA, 'publish_rate': 0.01, 'cmd_vel_timeout': 0.2})
     rates = graph.collect(JointState, 'wheel_rates')
-    graph.publisher(Twist, 'cmd_vel').publish(twist(SPEED, 0.0))
-    graph.wait_for(lambda: [list(message.velocity) for message in rates][-1:] == [[0.0, 0.0]]
-                   and len(rates) == 2, 'the stop')
+    commands = graph.publisher(Twist, 'cmd_vel')
+
+    def driving():
+        commands.publish(twist(SPEED, 0.0))
+        return rates and any(rates[-1].velocity)
+
+    graph.wait_for(driving, 'the robot to drive')
+    graph.wait_for(lambda: not any(rates[-1].velocity), 'the stop')
