@@ -27,6 +27,7 @@ for the random part e are known here:
     (LaValle, Mobile Robotics, eq. 2.37).  Then ``Var e = s^2 d^2`` per interval, and a path that
     is cut into n intervals has 1/n of the variance: the statistics depend on the message rate.
 
+The variance does not depend on the distribution that e is drawn from (LaValle, sec. 2.4).
 Variance and sampling are separate functions that share the law.
 """
 
@@ -35,6 +36,7 @@ import math
 from typing import Union
 
 from diffdrive_kinematics.core.checks import check_above, check_non_negative
+from diffdrive_kinematics.core.distributions import check_distribution, draw_unit
 import numpy as np
 from numpy.typing import NDArray
 
@@ -59,6 +61,8 @@ class WheelSlip:
         k [m] of the law ``travel``, or s^2 [1] of the law ``command``; 0 or above.
     model : str
         One of ``SLIP_MODELS``.
+    distribution : str
+        One of ``DISTRIBUTIONS``, of e.
 
     Raises
     ------
@@ -70,12 +74,14 @@ class WheelSlip:
     bias: float = 0.0
     variance: float = 0.0
     model: str = 'travel'
+    distribution: str = 'gaussian'
 
     def __post_init__(self) -> None:
         check_above('bias', self.bias, -1.0)
         check_non_negative('slip variance', self.variance)
         if self.model not in SLIP_MODELS:
             raise ValueError(f'slip model is {self.model!r}, expected one of {SLIP_MODELS}')
+        check_distribution('slip distribution', self.distribution)
 
 
 def travel_variance(slip: WheelSlip, travel: Travel) -> Travel:
@@ -86,16 +92,16 @@ def travel_variance(slip: WheelSlip, travel: Travel) -> Travel:
 
 def sample_travel(slip: WheelSlip, travel: Travel, generator: np.random.Generator) -> Travel:
     """
-    Return a sample of the effective travel [m], ``(1 + b) d + e`` with Gaussian e.
+    Return a sample of the effective travel [m], ``(1 + b) d + e``.
 
-    ``travel`` [m] is a float or an array; one normal is drawn for each element, also where the
+    ``travel`` [m] is a float or an array; one unit draw is made for each element, also where the
     travel is 0, so that the stream of the generator does not depend on the values.
     """
     mean = (1.0 + slip.bias) * travel
     variance = travel_variance(slip, travel)
     if isinstance(travel, np.ndarray):
-        return mean + np.sqrt(variance) * generator.standard_normal(travel.shape)
-    return mean + math.sqrt(variance) * generator.standard_normal()
+        return mean + np.sqrt(variance) * draw_unit(slip.distribution, generator, travel.shape)
+    return mean + math.sqrt(variance) * draw_unit(slip.distribution, generator)
 
 
 def effective_ratio(slip: WheelSlip, nominal: float, effective: float) -> float:

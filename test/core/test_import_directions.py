@@ -25,7 +25,8 @@ CORE = sorted((ROOT / 'core').glob('**/*.py'))
 NODES = sorted((ROOT / 'nodes').glob('**/*.py'))
 PURE = {
     'abc', 'bisect', 'collections', 'dataclasses', 'enum', 'fractions', 'functools', 'itertools',
-    'math', 'numbers', 'operator', 'typing'}
+    'math', 'numbers', 'operator', 'typing',
+    'concurrent'}  # threads that share one computation; the result does not depend on them
 NODE_MODULES = {
     f'{PACKAGE}.nodes.{name}' for name in (
         'diff_drive_controller', 'wheel_noise', 'simulated_base', 'command_sequence',

@@ -16,6 +16,7 @@
 
 import math
 
+from diffdrive_kinematics.core.distributions import DISTRIBUTIONS, unit_bound
 from diffdrive_kinematics.core.noise import (
     effective_ratio, sample_travel, SLIP_MODELS, travel_variance, WheelSlip)
 from hypothesis import given, settings, strategies as st
@@ -26,7 +27,8 @@ LAW = settings(deadline=None, derandomize=True)
 Z = 3.2905  # of 99.9 %, two-sided
 N = 200_000
 slips = st.builds(
-    WheelSlip, st.floats(-0.5, 0.5), st.floats(0.0, 0.1), st.sampled_from(SLIP_MODELS))
+    WheelSlip, st.floats(-0.5, 0.5), st.floats(0.0, 0.1), st.sampled_from(SLIP_MODELS),
+    st.sampled_from(DISTRIBUTIONS))
 MODELS = pytest.mark.parametrize('model', SLIP_MODELS)
 
 
@@ -57,6 +59,24 @@ def test_mean_and_variance_of_the_samples_are_those_of_the_law(model, travel):
     slip = WheelSlip(0.1, 4e-4, model)
     samples = path_of(slip, travel, 1, np.random.default_rng(1))
     assert_moments(samples, 1.1 * travel, travel_variance(slip, travel))
+
+
+@MODELS
+@pytest.mark.parametrize('distribution', DISTRIBUTIONS)
+def test_the_variance_is_that_of_the_law_whatever_the_distribution(model, distribution):
+    slip = WheelSlip(0.1, 4e-4, model, distribution)
+    samples = path_of(slip, -3.0, 1, np.random.default_rng(1))
+    assert_moments(samples, -3.3, travel_variance(slip, -3.0))
+
+
+@pytest.mark.parametrize('distribution', DISTRIBUTIONS[1:])
+@pytest.mark.parametrize('single', [True, False])
+def test_bounded_samples_come_up_to_the_bound_of_their_distribution(distribution, single):
+    slip, generator = WheelSlip(0.1, 4e-4, 'travel', distribution), np.random.default_rng(3)
+    samples = np.array([sample_travel(slip, 3.0, generator) for _ in range(5_000)]) if (
+        single) else sample_travel(slip, np.full(5_000, 3.0), generator)
+    bound = unit_bound(distribution) * math.sqrt(4e-4 * 3.0)
+    assert 0.95 * bound < np.max(np.abs(samples - 3.3)) <= bound * (1.0 + 1e-12)
 
 
 @pytest.mark.parametrize('travel', [3.0, -0.2])
@@ -128,11 +148,12 @@ def test_the_ratio_is_effective_over_nominal_and_the_bias_where_that_is_unknown(
 @pytest.mark.parametrize(('values', 'name'), [
     ((-1.0, 0.0), 'bias'), ((math.nan, 0.0), 'bias'), ((math.inf, 0.0), 'bias'),
     ((0.0, -1e-9), 'slip variance'), ((0.0, math.nan), 'slip variance'),
-    ((0.0, math.inf), 'slip variance'), ((0.0, 0.0, 'Travel'), 'slip model')])
+    ((0.0, math.inf), 'slip variance'), ((0.0, 0.0, 'Travel'), 'slip model'),
+    ((0.0, 0.0, 'travel', 'normal'), 'slip distribution')])
 def test_bad_values_are_refused_by_name(values, name):
     with pytest.raises(ValueError, match=f'^{name} is'):
         WheelSlip(*values)
 
 
-def test_slip_with_travel_is_the_default():
-    assert WheelSlip() == WheelSlip(0.0, 0.0, 'travel')
+def test_gaussian_slip_with_travel_is_the_default():
+    assert WheelSlip() == WheelSlip(0.0, 0.0, 'travel', 'gaussian')

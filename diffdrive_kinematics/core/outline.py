@@ -1,0 +1,214 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""
+The outer boundary of what a set of line segments encloses, and its simplification.
+
+Points are complex numbers x + i y [m]; a polygon is an array of them, counter-clockwise, not
+closed.
+"""
+
+from typing import List, Tuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ['area', 'outer_boundary', 'perimeter', 'simplified']
+
+Points = NDArray[np.complex128]
+Pairs = NDArray[np.int64]
+Vector = NDArray[np.float64]
+
+JITTER = 1e-9
+"""Of the size: moves points into general position, where no two segments overlap."""
+
+ATTEMPTS = 4
+BLOCK = 256
+
+
+def area(polygon: Points) -> float:
+    """Return the signed area [m^2], positive where counter-clockwise."""
+    return float(0.5 * np.sum(_cross(polygon, np.roll(polygon, -1))))
+
+
+def perimeter(polygon: Points) -> float:
+    """Return the length [m] of the boundary."""
+    return float(np.sum(np.abs(np.roll(polygon, -1) - polygon)))
+
+
+def outer_boundary(points: Points, segments: Pairs) -> Points:
+    """
+    Return the polygon around all segments, which must hang together.
+
+    Walk from the leftmost point, at every point or crossing along the rightmost way.  Holes are
+    filled.  Points are moved by 1e-9 of the size of the whole, at random but reproducibly.
+
+    Parameters
+    ----------
+    points : array of complex, shape (p,)
+        Ends of the segments.
+    segments : array of int, shape (s, 2)
+        Indices of the ends.
+
+    Raises
+    ------
+    RuntimeError
+        If the walk does not come back in any of four attempts.
+
+    """
+    size = float(np.max(np.abs(points - points[0]))) or 1.0
+    used, flat = np.unique(_snapped(points, size)[segments], return_inverse=True)
+    representative = np.zeros(len(used), np.complex128)
+    representative[flat.reshape(-1)] = points[segments].reshape(-1)
+    pairs = np.unique(np.sort(flat.reshape(-1, 2), axis=1), axis=0)
+    pairs = pairs[pairs[:, 0] != pairs[:, 1]]
+    for attempt in range(ATTEMPTS):
+        generator = np.random.default_rng(attempt)
+        moved = representative + size * JITTER * (
+            generator.uniform(-1.0, 1.0, len(used))
+            + 1j * generator.uniform(-1.0, 1.0, len(used)))
+        polygon = _walked(*_split(moved, pairs))
+        if len(polygon) > 2 and _encloses(polygon, moved, 1e-6 * size):
+            return polygon
+    raise RuntimeError('the outline of the reachable set does not close')
+
+
+def simplified(polygon: Points, tolerance: float) -> Points:
+    """
+    Return some of the vertices, such that no other is further from its edge than ``tolerance``.
+
+    The method of Douglas & Peucker (1973) on the two halves of the boundary.
+    """
+    far = int(np.argmax(np.abs(polygon - polygon[0])))
+    closed = np.append(polygon, polygon[0])
+    keep = np.zeros(len(closed), bool)
+    keep[[0, far]] = True
+    spans = [(0, far), (far, len(polygon))]
+    while spans:
+        begin, end = spans.pop()
+        if end - begin < 2:
+            continue
+        distance = _distance(closed[begin + 1:end], closed[begin:begin + 1], closed[end:end + 1])
+        worst = int(np.argmax(distance))
+        if distance[worst] > tolerance:
+            middle = begin + 1 + worst
+            keep[middle] = True
+            spans += [(begin, middle), (middle, end)]
+    return polygon[keep[:-1]]
+
+
+def _snapped(points: Points, size: float) -> Pairs:
+    """Return a number for each point, equal for points that are equal but for rounding."""
+    grid = np.round((points - points[0]) / (1e-12 * size))
+    keys = np.stack([grid.real, grid.imag], axis=1).astype(np.int64)
+    return np.asarray(np.unique(keys, axis=0, return_inverse=True)[1]).reshape(-1)
+
+
+def _distance(points: Points, begin: Points, end: Points) -> Vector:
+    """Return the distances [m] of points from segments; shapes broadcast."""
+    along = end - begin
+    length = np.abs(along)
+    unit = np.where(length == 0.0, 1.0, along) / np.where(length == 0.0, 1.0, length)
+    place = (points - begin) * np.conj(unit)
+    beyond = place.real - np.clip(place.real, 0.0, length)
+    return np.asarray(np.hypot(beyond, place.imag))
+
+
+def _cross(a: Points, b: Points) -> Vector:
+    return np.asarray(a.real * b.imag - a.imag * b.real)
+
+
+def _split(points: Points, pairs: Pairs) -> Tuple[Points, Pairs, Vector]:
+    """Return points, pieces of segments that meet in points only, and their directions."""
+    first, second, t, u = _crossings(points, pairs)
+    begin, end = points[pairs[:, 0]], points[pairs[:, 1]]
+    crossing = begin[first] + t * (end[first] - begin[first])
+    number = len(points) + np.arange(len(first))
+    every = np.arange(len(pairs))
+    segment = np.concatenate([first, second, every, every])
+    place = np.concatenate([t, u, np.zeros(len(pairs)), np.ones(len(pairs))])
+    node = np.concatenate([number, number, pairs[:, 0], pairs[:, 1]])
+    order = np.lexsort((place, segment))
+    segment, node = segment[order], node[order]
+    same = segment[:-1] == segment[1:]
+    pieces = np.stack([node[:-1], node[1:]], axis=1)[same]
+    return (np.concatenate([points, crossing]), pieces,
+            np.angle(end - begin)[segment[:-1][same]])
+
+
+def _walked(points: Points, pieces: Pairs, directions: Vector) -> Points:
+    """Walk around the pieces, the outside on the right; nothing where it does not come back."""
+    ways: List[List[Tuple[float, int]]] = [[] for _ in points]
+    for (a, b), direction in zip(pieces.tolist(), directions.tolist()):
+        ways[a].append((direction, b))
+        ways[b].append((direction + np.pi, a))
+    start = at = int(pieces.flat[np.argmin(points.real[pieces])])
+    back, first = np.pi, None
+    path: List[int] = []
+    for _ in range(2 * len(pieces) + 1):
+        direction, to = min(ways[at], key=lambda way: (way[0] - back - 1e-13) % (2.0 * np.pi))
+        if at == start and (direction, to) == first:
+            return points[path]
+        first = first or (direction, to)
+        path.append(at)
+        at, back = to, direction + np.pi
+    return points[:0]
+
+
+def _encloses(polygon: Points, points: Points, tolerance: float) -> bool:
+    """Tell whether the points are inside of the polygon, or as near to it as ``tolerance``."""
+    begin, end = polygon, np.roll(polygon, -1)
+    x, y = points.real[:, None], points.imag[:, None]
+    over = (begin.imag > y) != (end.imag > y)
+    rise = np.where(end.imag == begin.imag, 1.0, end.imag - begin.imag)
+    at = begin.real + (y - begin.imag) * (end.real - begin.real) / rise
+    inside = np.count_nonzero(over & (at > x), axis=1) % 2 == 1
+    strays = points[~inside]
+    strays = strays[~np.isin(strays, polygon)]
+    return all(
+        bool((_distance(part[:, None], begin, end).min(axis=1) <= tolerance).all())
+        for part in np.array_split(strays, 1 + len(strays) // BLOCK) if len(part))
+
+
+def _crossings(points: Points, pairs: Pairs) -> Tuple[Pairs, Pairs, Vector, Vector]:
+    """Return (i, j, t, u): segment i at its fraction t crosses segment j at its fraction u."""
+    begin, end = points[pairs[:, 0]], points[pairs[:, 1]]
+    first, second = _near(begin, end)
+    p, r = begin[first], (end - begin)[first]
+    q, s = begin[second], (end - begin)[second]
+    joint = (pairs[first][:, :, None] == pairs[second][:, None, :]).any(axis=(1, 2))
+    cross = _cross(r, s)
+    usable = ~joint & (cross != 0.0)
+    cross = np.where(usable, cross, 1.0)
+    t, u = _cross(q - p, s) / cross, _cross(q - p, r) / cross
+    hit = usable & (t >= 0.0) & (t <= 1.0) & (u >= 0.0) & (u <= 1.0)
+    return first[hit], second[hit], t[hit], u[hit]
+
+
+def _near(begin: Points, end: Points) -> Tuple[Pairs, Pairs]:
+    """Return (i, j), i < j, of the segments whose boxes overlap; some rows at a time."""
+    low_x, high_x = np.minimum(begin.real, end.real), np.maximum(begin.real, end.real)
+    low_y, high_y = np.minimum(begin.imag, end.imag), np.maximum(begin.imag, end.imag)
+    every = np.arange(len(begin))
+    found = []
+    for start in range(0, len(begin), BLOCK):
+        rows = slice(start, start + BLOCK)
+        near = low_x[rows, None] <= high_x
+        near &= high_x[rows, None] >= low_x
+        near &= low_y[rows, None] <= high_y
+        near &= high_y[rows, None] >= low_y
+        near &= every[rows, None] < every
+        i, j = np.nonzero(near)
+        found.append((i + start, j))
+    return (np.concatenate([i for i, _ in found]), np.concatenate([j for _, j in found]))
