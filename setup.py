@@ -54,8 +54,10 @@ setup(
     install_requires=['setuptools', 'numpy'],
     extras_require={
         'ros': ['ros-jazzy-rclpy[fastrtps]', 'ros-jazzy-common-interfaces'],
+        'plot': ['matplotlib'],
         'test': [
             'hypothesis',
+            'matplotlib',
             'mpmath',
             'mypy',
             'pytest',
@@ -75,6 +77,8 @@ setup(
             'command_sequence = diffdrive_kinematics.executables:command_sequence',
             'diff_drive_controller = diffdrive_kinematics.executables:diff_drive_controller',
             'diffdrive_sim = diffdrive_kinematics.executables:diffdrive_sim',
+            'forward_projection = diffdrive_kinematics.executables:forward_projection',
+            'plot_paths = diffdrive_kinematics.executables:plot_paths',
             'simulated_base = diffdrive_kinematics.executables:simulated_base',
             'wheel_noise = diffdrive_kinematics.executables:wheel_noise',
         ],

@@ -24,7 +24,8 @@ import signal
 import sys
 
 __all__ = [
-    'command_sequence', 'diff_drive_controller', 'diffdrive_sim', 'simulated_base', 'wheel_noise']
+    'command_sequence', 'diff_drive_controller', 'diffdrive_sim', 'forward_projection',
+    'plot_paths', 'simulated_base', 'wheel_noise']
 
 
 def _start(name: str) -> None:
@@ -46,6 +47,16 @@ def diff_drive_controller() -> None:
 def diffdrive_sim() -> None:
     """Run ``diffdrive_sim``."""
     _start('diffdrive_sim')
+
+
+def forward_projection() -> None:
+    """Run ``forward_projection``."""
+    _start('forward_projection')
+
+
+def plot_paths() -> None:
+    """Run ``plot_paths``."""
+    _start('plot_paths')
 
 
 def simulated_base() -> None:

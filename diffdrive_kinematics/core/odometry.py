@@ -16,7 +16,8 @@
 Odometry: the pose that wheel motion amounts to, evaluated from an anchor at any time.
 
 The pose at the anchor is kept with compensated sums; the pose at a time is one exact arc from
-there, so publishing neither accumulates nor changes anything.
+there, so publishing neither accumulates nor changes anything.  The covariance of the pose lives
+at the anchor too.
 """
 
 from dataclasses import dataclass, replace
@@ -25,14 +26,19 @@ from typing import NamedTuple, Optional, Tuple
 
 from diffdrive_kinematics.core.angles import wrap_angle
 from diffdrive_kinematics.core.arc import advance, Pose
-from diffdrive_kinematics.core.checks import check_finite, is_sane, LARGEST
+from diffdrive_kinematics.core.checks import (
+    check_finite, check_non_negative, is_sane, LARGEST)
 from diffdrive_kinematics.core.compensated import RunningSum
+from diffdrive_kinematics.core.covariance import (
+    moved_covariance, NO_COVARIANCE, PoseCovariance, slip_covariance)
 from diffdrive_kinematics.core.geometry import (
     pose_change_from_travel, travel_from_angles, twist_from_wheel_rates, WheelGeometry)
 from diffdrive_kinematics.core.wheel_motion import (
     first_motion, Pair, rates_at, receive, rolled, shifted, Verdict, WheelMotion, WheelSample)
 
 __all__ = ['BaseReading', 'Odometry']
+
+NO_SLIP: Pair = (0.0, 0.0)
 
 
 class BaseReading(NamedTuple):
@@ -66,6 +72,11 @@ class Odometry:
         Angles rolled up to the anchor [rad].
     motion : WheelMotion or None
         What the wheels do since the anchor; None until the first sample.
+    slip_variances : pair of float
+        k (left, right) [m], the variance of a wheel's travel per metre; 0: the wheels do not
+        slip.
+    covariance : PoseCovariance
+        Of the pose at the anchor, in the fixed frame.
 
     """
 
@@ -77,24 +88,28 @@ class Odometry:
     left: RunningSum = RunningSum(0.0)
     right: RunningSum = RunningSum(0.0)
     motion: Optional[WheelMotion] = None
+    slip_variances: Pair = NO_SLIP
+    covariance: PoseCovariance = NO_COVARIANCE
 
     @staticmethod
     def starting_at(
-            pose: Pose, *, geometry: WheelGeometry, timeout_ns: Optional[int]) -> 'Odometry':
+            pose: Pose, *, geometry: WheelGeometry, timeout_ns: Optional[int],
+            slip_variances: Pair = NO_SLIP) -> 'Odometry':
         """
         Return the odometry of a base that stands at ``pose`` (scalars) with wheel angles 0.
 
         Raises
         ------
         ValueError
-            If a coordinate is not finite.
+            If a coordinate is not finite, or a slip variance is not or is below 0.
 
         """
+        _check_slip(slip_variances)
         for name, value in zip(('x', 'y', 'yaw'), pose):
             check_finite(f'{name} of the pose', float(value))
         return Odometry(
             geometry, timeout_ns, RunningSum(float(pose.x)), RunningSum(float(pose.y)),
-            RunningSum(float(pose.theta)))
+            RunningSum(float(pose.theta)), slip_variances=slip_variances)
 
     def received(self, sample: WheelSample, now_ns: int) -> Tuple['Odometry', Verdict]:
         """
@@ -116,17 +131,31 @@ class Odometry:
         return replace(self._rolled(result.rolled), motion=result.motion), result.verdict
 
     def configured(
-            self, geometry: WheelGeometry, timeout_ns: Optional[int], now_ns: int) -> 'Odometry':
-        """Return the odometry with what was rolled so far kept and new settings from now on."""
+            self, geometry: WheelGeometry, timeout_ns: Optional[int], now_ns: int,
+            slip_variances: Optional[Pair] = None) -> 'Odometry':
+        """
+        Return the odometry with what was rolled so far kept and new settings from now on.
+
+        ``slip_variances`` None leaves them as they are.
+
+        Raises
+        ------
+        ValueError
+            If a slip variance is not finite or is below 0.
+
+        """
+        slip = _check_slip(self.slip_variances if slip_variances is None else slip_variances)
         if self.motion is None or not self.motion.holds or now_ns <= self.motion.anchor_ns:
-            return replace(self, geometry=geometry, timeout_ns=timeout_ns)
+            return replace(
+                self, geometry=geometry, timeout_ns=timeout_ns, slip_variances=slip)
         angle = rolled(self.motion, now_ns, self.timeout_ns)
         reference = (self.motion.reference[0] + angle[0], self.motion.reference[1] + angle[1])
         motion = replace(
             self.motion, anchor_ns=now_ns, reference=reference,
             rates=rates_at(self.motion, now_ns, self.timeout_ns))
         return replace(
-            self._rolled(angle), geometry=geometry, timeout_ns=timeout_ns, motion=motion)
+            self._rolled(angle), geometry=geometry, timeout_ns=timeout_ns, motion=motion,
+            slip_variances=slip)
 
     def clock_stepped(self, step_ns: int) -> 'Odometry':
         """Return the odometry as it reads after the clock itself was stepped."""
@@ -142,6 +171,31 @@ class Odometry:
         return BaseReading(
             self._pose(*angle), twist_from_wheel_rates(self.geometry, *rates),
             (self.left.plus(angle[0]).value, self.right.plus(angle[1]).value), rates)
+
+    def covariance_at(self, time_ns: int) -> PoseCovariance:
+        """
+        Return the covariance of the pose at a time, in the fixed frame (the axes of x and y).
+
+        It is what the slip of the wheels has made of an exactly known start, to first order.
+        """
+        if self.motion is None or self._is_certain():
+            return self.covariance
+        angle = rolled(self.motion, time_ns, self.timeout_ns)
+        return self.covariance if angle == (0.0, 0.0) else self._covariance_after(angle)
+
+    def _is_certain(self) -> bool:
+        return self.slip_variances == NO_SLIP and self.covariance == NO_COVARIANCE
+
+    def _covariance_after(self, angle: Pair) -> PoseCovariance:
+        """Return the covariance after the wheels rolled by an angle [rad] from the anchor."""
+        if self._is_certain():
+            return self.covariance
+        heading = self._heading()
+        d_left, d_right = travel_from_angles(self.geometry, *angle)
+        added = slip_covariance(
+            self.geometry, heading, float(d_left), float(d_right), *self.slip_variances)
+        return moved_covariance(
+            self.covariance, Pose(0.0, 0.0, heading), self._change(*angle), added)
 
     def _check_sane(self, wheels: Pair, name: str) -> None:
         if not is_sane(*twist_from_wheel_rates(self.geometry, *wheels)):
@@ -161,12 +215,21 @@ class Odometry:
         return replace(
             self, x=self.x.plus(float(change.x)), y=self.y.plus(float(change.y)),
             theta=self.theta.plus(float(change.theta)), left=self.left.plus(angle[0]),
-            right=self.right.plus(angle[1]))
+            right=self.right.plus(angle[1]), covariance=self._covariance_after(angle))
 
     def _change(self, left: float, right: float) -> Pose:
         """Return the change of the pose [m, m, rad] in the fixed frame for wheel angles [rad]."""
         travel = travel_from_angles(self.geometry, left, right)
         distance, turn = pose_change_from_travel(self.geometry, *travel)
-        heading = math.remainder(self.theta.high, math.tau) + self.theta.low
-        change = advance(Pose(0.0, 0.0, heading), distance, turn)
+        change = advance(Pose(0.0, 0.0, self._heading()), distance, turn)
         return Pose(change.x, change.y, turn)
+
+    def _heading(self) -> float:
+        """Return the heading [rad] at the anchor, within a turn."""
+        return math.remainder(self.theta.high, math.tau) + self.theta.low
+
+
+def _check_slip(slip_variances: Pair) -> Pair:
+    left, right = slip_variances
+    return (check_non_negative('left slip variance', left),
+            check_non_negative('right slip variance', right))

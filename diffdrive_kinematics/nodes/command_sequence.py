@@ -20,13 +20,12 @@ from typing import Any, Dict, Mapping, Set
 
 from diffdrive_kinematics.core.playback import (
     Course, course_from_commands, course_from_recording)
-from diffdrive_kinematics.core.sequence import Command
 from diffdrive_kinematics.nodes.clocks import period_ns
 from diffdrive_kinematics.nodes.messages import TwistMessage
 from diffdrive_kinematics.nodes.node import DiffDriveNode
 from diffdrive_kinematics.nodes.recordings import COMMAND_COLUMNS, read_columns
 from diffdrive_kinematics.nodes.running import main_of
-from diffdrive_kinematics.nodes.tables import COMMAND_SEQUENCE
+from diffdrive_kinematics.nodes.tables import COMMAND_SEQUENCE, commands_from
 from geometry_msgs.msg import Twist, TwistStamped
 from rclpy.subscription import Subscription
 
@@ -54,12 +53,7 @@ def build(values: Mapping[str, Any]) -> Config:
                 course_from_recording(read_columns(recording, COMMAND_COLUMNS)), values)
         except ValueError as error:
             raise ValueError(f'recording is {recording!r}: {error}') from error
-    if len(numbers) % 3:
-        raise ValueError(
-            f'commands has {len(numbers)} numbers, expected three for each command: v, omega, '
-            'duration')
-    commands = [Command(*numbers[i:i + 3]) for i in range(0, len(numbers), 3)]
-    return Config(course_from_commands(commands), values)
+    return Config(course_from_commands(commands_from(numbers)), values)
 
 
 class CommandSequence(DiffDriveNode[Config]):

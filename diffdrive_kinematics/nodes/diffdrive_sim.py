@@ -21,10 +21,11 @@ from typing import Any, Dict, List, Mapping, Tuple
 from diffdrive_kinematics.nodes.clocks import SteppedClock
 from diffdrive_kinematics.nodes.command_sequence import CommandSequence
 from diffdrive_kinematics.nodes.diff_drive_controller import DiffDriveController
+from diffdrive_kinematics.nodes.forward_projection import ForwardProjection
 from diffdrive_kinematics.nodes.node import DiffDriveNode
 from diffdrive_kinematics.nodes.report import drift_table, progress_line, Robot
 from diffdrive_kinematics.nodes.running import finish, make_executor, run, spin, Stop
-from diffdrive_kinematics.nodes.share import share_directory
+from diffdrive_kinematics.nodes.share import with_params_file
 from diffdrive_kinematics.nodes.simulated_base import SimulatedBase
 from diffdrive_kinematics.nodes.stepping import Stepper
 from diffdrive_kinematics.nodes.tables import DIFFDRIVE_SIM
@@ -33,7 +34,8 @@ from diffdrive_kinematics.nodes.wheel_noise import WheelNoise
 
 CLASSES = {
     'diff_drive_controller': DiffDriveController, 'wheel_noise': WheelNoise,
-    'simulated_base': SimulatedBase, 'command_sequence': CommandSequence}
+    'simulated_base': SimulatedBase, 'command_sequence': CommandSequence,
+    'forward_projection': ForwardProjection}
 PROGRESS_LINES = 10
 REST_TIMEOUT_NS = 5_000_000_000
 
@@ -167,17 +169,9 @@ def work(stop: Stop) -> int:
     return 0
 
 
-def arguments(argv: List[str]) -> List[str]:
-    """Return the command line, with the demo's parameters where it names no params file."""
-    if '--params-file' in argv:
-        return argv
-    demo = share_directory() / 'config' / 'demo.yaml'
-    return [argv[0], '--ros-args', '--params-file', str(demo), '--', *argv[1:]]
-
-
 def main() -> None:
     """Run ``diffdrive_sim``."""
-    sys.exit(run(work, arguments(sys.argv)))
+    sys.exit(run(work, with_params_file(sys.argv, 'demo.yaml')))
 
 
 if __name__ == '__main__':

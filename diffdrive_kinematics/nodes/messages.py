@@ -20,9 +20,11 @@ ROS_PYTHON_CHECK_FIELDS=1, so every number is put in as a float.
 """
 
 import math
-from typing import Callable, List, Optional, Sequence, Tuple
+from typing import Callable, List, MutableSequence, Optional, Sequence, Tuple
 
 from builtin_interfaces.msg import Time
+from diffdrive_kinematics.core.arc import Pose
+from diffdrive_kinematics.core.covariance import PoseCovariance, TwistCovariance
 from diffdrive_kinematics.core.odometry import BaseReading
 from diffdrive_kinematics.core.wheel_motion import Pair, WheelSample
 from geometry_msgs.msg import TwistStamped
@@ -32,7 +34,7 @@ from std_msgs.msg import Float64MultiArray
 
 __all__ = [
     'OdometryMessage', 'TwistMessage', 'WheelCommandMessage', 'WheelMessage', 'WheelReader',
-    'nanoseconds', 'set_stamp']
+    'nanoseconds', 'pose_from_odometry', 'set_stamp']
 
 NANOSECONDS = 1_000_000_000
 
@@ -45,6 +47,24 @@ def nanoseconds(stamp: Time) -> int:
 def set_stamp(stamp: Time, time_ns: int) -> None:
     """Write a time [ns] into a stamp."""
     stamp.sec, stamp.nanosec = divmod(time_ns, NANOSECONDS)
+
+
+def pose_from_odometry(message: Odometry) -> Pose:
+    """
+    Return the pose in the plane that an odometry tells.
+
+    Raises
+    ------
+    ValueError
+        If a number is not finite.
+
+    """
+    at, q = message.pose.pose.position, message.pose.pose.orientation
+    if not all(map(math.isfinite, (at.x, at.y, q.x, q.y, q.z, q.w))):
+        raise ValueError(
+            f'pose is {(at.x, at.y)!r}, {(q.x, q.y, q.z, q.w)!r}, expected finite numbers')
+    return Pose(at.x, at.y, math.atan2(
+        2.0 * (q.w * q.z + q.x * q.y), 1.0 - 2.0 * (q.y * q.y + q.z * q.z)))
 
 
 class WheelReader:
@@ -175,21 +195,52 @@ class TwistMessage:
         return self.message
 
 
+POSE_BLOCK = (0, 1, 5, 6, 7, 11, 30, 31, 35)
+TWIST_BLOCK = (0, 5, 30, 35)
+
+
+def _write(matrix: MutableSequence[float], block: Sequence[int], values: Sequence[float]) -> None:
+    """Write single elements, which for so few is faster than a slice of numpy."""
+    for index, value in zip(block, values):
+        matrix[index] = value
+
+
 class OdometryMessage:
     """
-    An Odometry with its frames and covariance diagonals (x, y, z, roll, pitch, yaw).
+    An Odometry with its frames and covariances, in the order (x, y, z, roll, pitch, yaw).
 
-    The pose is in ``frame_id``, the twist in ``child_frame_id`` (nav_msgs/Odometry).
+    The pose is in ``frame_id``, the twist in ``child_frame_id`` (nav_msgs/Odometry), and so are
+    their covariances.  They are written only where they have changed.
     """
 
     def __init__(self, frame_id: str, child_frame_id: str) -> None:
         self.message = Odometry(child_frame_id=child_frame_id)
         self.message.header.frame_id = frame_id
+        self._pose_covariance: Optional[Tuple[float, ...]] = None
+        self._twist_covariance: Optional[Tuple[float, ...]] = None
 
-    def set_covariances(self, pose: Sequence[float], twist: Sequence[float]) -> None:
-        """Set the variances of pose and twist, six each."""
-        self.message.pose.covariance[::7] = pose
-        self.message.twist.covariance[::7] = twist
+    def set_diagonals(self, pose: Sequence[float], twist: Sequence[float]) -> None:
+        """Set the variances of pose and twist, six each, and all covariances to zero."""
+        for matrix, diagonal in (
+                (self.message.pose.covariance, pose), (self.message.twist.covariance, twist)):
+            matrix[:] = 0.0
+            matrix[::7] = diagonal
+        self._pose_covariance = self._twist_covariance = None
+
+    def set_pose_covariance(self, covariance: PoseCovariance, floor: float) -> None:
+        """Set the block of x, y and yaw, with a floor of its variances."""
+        if covariance != self._pose_covariance:
+            self._pose_covariance = covariance
+            xx, xy, xt, yy, yt, tt = covariance
+            _write(self.message.pose.covariance, POSE_BLOCK, (
+                xx + floor, xy, xt, xy, yy + floor, yt, xt, yt, tt + floor))
+
+    def set_twist_covariance(self, covariance: TwistCovariance) -> None:
+        """Set the block of forward speed and yaw rate."""
+        if covariance != self._twist_covariance:
+            self._twist_covariance = covariance
+            vv, vw, ww = covariance
+            _write(self.message.twist.covariance, TWIST_BLOCK, (vv, vw, vw, ww))
 
     def filled(self, stamp_ns: int, reading: BaseReading) -> Odometry:
         """Return the message with a stamp and what the base reads."""

@@ -15,8 +15,9 @@
 """Where the installed files of the package are."""
 
 from pathlib import Path
+from typing import List
 
-__all__ = ['share_directory']
+__all__ = ['share_directory', 'with_params_file']
 
 PACKAGE = 'diffdrive_kinematics'
 
@@ -41,3 +42,11 @@ def share_directory() -> Path:
         if (candidate / 'config' / 'demo.yaml').is_file():
             return candidate
     raise FileNotFoundError(f'config/demo.yaml is in none of {list(map(str, candidates))}')
+
+
+def with_params_file(argv: List[str], name: str) -> List[str]:
+    """Return the command line, with a file of ``config`` where it names no params file."""
+    if '--params-file' in argv:
+        return argv
+    file = share_directory() / 'config' / name
+    return [argv[0], '--ros-args', '--params-file', str(file), '--', *argv[1:]]

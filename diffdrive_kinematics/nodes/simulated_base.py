@@ -19,8 +19,9 @@ from typing import Any, Mapping, Optional
 
 from diffdrive_kinematics.core import odometry as core
 from diffdrive_kinematics.core.arc import Pose
+from diffdrive_kinematics.core.covariance import twist_covariance
 from diffdrive_kinematics.core.geometry import WheelGeometry
-from diffdrive_kinematics.core.wheel_motion import timeout_from_seconds
+from diffdrive_kinematics.core.wheel_motion import Pair, timeout_from_seconds
 from diffdrive_kinematics.nodes.messages import OdometryMessage, WheelMessage, WheelReader
 from diffdrive_kinematics.nodes.node import DiffDriveNode
 from diffdrive_kinematics.nodes.running import main_of
@@ -39,6 +40,7 @@ class Config:
 
     geometry: WheelGeometry
     timeout_ns: Optional[int]
+    slip_variances: Pair
     values: Mapping[str, Any]
 
 
@@ -46,8 +48,10 @@ def build(values: Mapping[str, Any]) -> Config:
     """Return the configuration of parameter values, or raise ``ValueError``."""
     check_wiring(values, 'wheel_motion_topic', ('odom_topic', 'joint_states_topic'))
     check_sides(values)
+    slips = values['left_slip_variance'], values['right_slip_variance']
     return Config(
-        wheel_geometry(values), timeout_from_seconds(values['command_timeout']), values)
+        wheel_geometry(values), timeout_from_seconds(values['command_timeout']),
+        slips if values['slip_model'] == 'travel' else (0.0, 0.0), values)
 
 
 class SimulatedBase(DiffDriveNode[Config]):
@@ -64,10 +68,10 @@ class SimulatedBase(DiffDriveNode[Config]):
         self._reader = WheelReader(*names, positions=values['position_feedback'])
         self._odometry = core.Odometry.starting_at(
             Pose(*values['initial_pose']), geometry=self.config.geometry,
-            timeout_ns=self.config.timeout_ns)
+            timeout_ns=self.config.timeout_ns, slip_variances=self.config.slip_variances)
         self._wheels = WheelMessage(*names, source=self.source())
         self._message = OdometryMessage(values['odom_frame_id'], values['base_frame_id'])
-        self._set_covariances(values)
+        self._set_diagonals(values)
         topic = values['odom_topic']
         self._publisher = self.publisher(Odometry, topic) if topic else None
         topic = values['joint_states_topic']
@@ -98,13 +102,15 @@ class SimulatedBase(DiffDriveNode[Config]):
                 throttle_duration_sec=WAITING_REPORT_PERIOD_S, skip_first=True)
             return
         reading = self._odometry.at(now_ns)
+        message = self._message.filled(now_ns, reading)
         if self._publisher:
-            self._publisher.publish(self._message.filled(now_ns, reading))
+            self._set_covariances(now_ns, reading.rates)
+            self._publisher.publish(message)
         if self._joints_publisher:
             self._joints_publisher.publish(
                 self._wheels.filled(now_ns, reading.rates, reading.angles))
         if self._transform:
-            self._transform.publish(self._message.filled(now_ns, reading))
+            self._transform.publish(message)
 
     def _synchronised_now(self) -> int:
         now_ns, step_ns = self.now_and_step()
@@ -112,17 +118,33 @@ class SimulatedBase(DiffDriveNode[Config]):
             self._odometry = self._odometry.clock_stepped(step_ns)
         return now_ns
 
-    def _set_covariances(self, values: Mapping[str, Any]) -> None:
-        self._message.set_covariances(
-            values['pose_covariance_diagonal'], values['twist_covariance_diagonal'])
+    def _set_diagonals(self, values: Mapping[str, Any]) -> None:
+        """Set what stays: the fixed diagonals, or the floor where nothing is observed."""
+        floor = (values['covariance_floor'],) * 6
+        pose, twist = values['pose_covariance_diagonal'], values['twist_covariance_diagonal']
+        self._fixed_pose, self._fixed_twist = any(pose), any(twist)
+        self._message.set_diagonals(
+            pose if self._fixed_pose else floor, twist if self._fixed_twist else floor)
+
+    def _set_covariances(self, now_ns: int, rates: Pair) -> None:
+        """Set what the slip makes of the pose up to now, and of the twist in a period."""
+        values = self.config.values
+        if not self._fixed_pose:
+            self._message.set_pose_covariance(
+                self._odometry.covariance_at(now_ns), values['covariance_floor'])
+        if not self._fixed_twist:
+            self._message.set_twist_covariance(twist_covariance(
+                self.config.geometry, rates, *self.config.slip_variances,
+                1.0 / values['publish_rate'], values['covariance_floor']))
 
     def _configure(self, config: Config) -> None:
         now_ns = self._synchronised_now()
-        if (config.geometry, config.timeout_ns) != (
-                self._odometry.geometry, self._odometry.timeout_ns):
-            self._odometry = self._odometry.configured(
-                config.geometry, config.timeout_ns, now_ns)
-        self._set_covariances(config.values)
+        old = self._odometry
+        if (config.geometry, config.timeout_ns, config.slip_variances) != (
+                old.geometry, old.timeout_ns, old.slip_variances):
+            self._odometry = old.configured(
+                config.geometry, config.timeout_ns, now_ns, config.slip_variances)
+        self._set_diagonals(config.values)
         self._timer = self.retimed(self._timer, config.values['publish_rate'], self._tick)
 
 

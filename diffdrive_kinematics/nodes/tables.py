@@ -22,24 +22,27 @@ has the same thing.  The tables are data: nodes declare them, documentation is m
 from dataclasses import dataclass
 import enum
 import math
-from typing import Any, Callable, Mapping, Optional, Tuple
+from typing import Any, Callable, List, Mapping, Optional, Sequence, Tuple
 
 from diffdrive_kinematics.core.checks import (
     check_above, check_duration, check_non_negative, check_positive, check_rate)
+from diffdrive_kinematics.core.distributions import DISTRIBUTIONS
 from diffdrive_kinematics.core.geometry import WheelGeometry
 from diffdrive_kinematics.core.limits import AxisLimits
-from diffdrive_kinematics.core.noise import SLIP_MODELS
+from diffdrive_kinematics.core.noise import SLIP_MODELS, WheelSlip
+from diffdrive_kinematics.core.sequence import Command
 from rclpy.exceptions import InvalidTopicNameException
 from rclpy.validate_topic_name import validate_topic_name
 
 __all__ = [
-    'COMMAND_SEQUENCE', 'DIFFDRIVE_SIM', 'DIFF_DRIVE_CONTROLLER', 'Entry', 'KNOWN_NAMES', 'Kind',
-    'SIMULATED_BASE', 'TABLES', 'WHEEL_NOISE', 'axis_limits', 'only_in_ros2_controllers',
-    'check_sides', 'check_wiring', 'wheel_geometry',
-    'wheel_radii']
+    'COMMAND_SEQUENCE', 'DIFFDRIVE_SIM', 'DIFF_DRIVE_CONTROLLER', 'Entry', 'FORWARD_PROJECTION',
+    'KNOWN_NAMES', 'Kind', 'PLOT_PATHS', 'SIMULATED_BASE', 'TABLES', 'WHEEL_NOISE', 'axis_limits',
+    'check_sides', 'check_wiring', 'commands_from', 'only_in_ros2_controllers', 'wheel_geometry',
+    'wheel_radii', 'wheel_slips']
 
 Check = Callable[[str, Any], Any]
 Values = Mapping[str, Any]
+MOST, MOST_STAGES = 100_000, 25
 
 
 class Kind(enum.Enum):
@@ -76,6 +79,26 @@ def _check_seed(name: str, value: int) -> None:
         raise ValueError(f'{name} is {value!r}, expected an integer, 0 or above')
 
 
+def _check_count(name: str, value: int) -> None:
+    if not 1 <= value <= MOST:
+        raise ValueError(f'{name} is {value!r}, expected an integer from 1 to {MOST}')
+
+
+def _check_stages(name: str, value: int) -> None:
+    if not 1 <= value <= MOST_STAGES:
+        raise ValueError(f'{name} is {value!r}, expected an integer from 1 to {MOST_STAGES}')
+
+
+def _check_horizon(name: str, value: float) -> None:
+    check_positive(name, value)
+    check_duration(name, value)
+
+
+def _check_picture(name: str, value: str) -> None:
+    if not value.endswith(('.png', '.svg')):
+        raise ValueError(f'{name} is {value!r}, expected the name of a .png or .svg file')
+
+
 def _check_pose(name: str, value: Tuple[float, ...]) -> None:
     if len(value) != 3 or not all(map(math.isfinite, value)):
         raise ValueError(f'{name} is {list(value)!r}, expected three finite numbers [x, y, yaw]')
@@ -101,6 +124,11 @@ def _check_named(name: str, value: str) -> None:
 def _check_slip_model(name: str, value: str) -> None:
     if value not in SLIP_MODELS:
         raise ValueError(f"{name} is {value!r}, expected {' or '.join(map(repr, SLIP_MODELS))}")
+
+
+def _check_distribution(name: str, value: str) -> None:
+    if value not in DISTRIBUTIONS:
+        raise ValueError(f"{name} is {value!r}, expected one of {', '.join(DISTRIBUTIONS)}")
 
 
 def _check_bias(name: str, value: float) -> None:
@@ -141,12 +169,27 @@ _RADII = (
           check=check_positive),
     Entry('right_wheel_radius_multiplier', 1.0,
           'effective over nominal radius of the right wheels', check=check_positive))
-_GEOMETRY = (
+_SEPARATION = (
     Entry('wheel_separation', math.nan,
           'distance L between left and right wheels [m], above 0', check=check_positive,
           required=True),
     Entry('wheel_separation_multiplier', 1.0, 'effective over nominal separation',
-          check=check_positive), *_RADII)
+          check=check_positive))
+_GEOMETRY = (*_SEPARATION, *_RADII)
+
+_BIAS = (
+    Entry('left_bias', 0.0, 'fraction of travel that the left wheel gains, above -1',
+          check=_check_bias),
+    Entry('right_bias', 0.0, 'fraction of travel that the right wheel gains, above -1',
+          check=_check_bias))
+_SLIP = (
+    Entry('left_slip_variance', 0.0, 'k [m] of the left wheel: Var[travel error] = k |travel|',
+          check=check_non_negative),
+    Entry('right_slip_variance', 0.0, 'k [m] of the right wheel: Var[travel error] = k |travel|',
+          check=check_non_negative))
+_DISTRIBUTION = Entry(
+    'slip_distribution', 'gaussian', 'of the slip, all with the variance that is set: '
+    + ', '.join(DISTRIBUTIONS), Kind.STRING, _check_distribution)
 
 _LIMITS = {
     'max_velocity': 'highest velocity, 0 or above; NaN: no limit',
@@ -205,18 +248,12 @@ WHEEL_NOISE = (
     *_RADII, *_JOINTS,
     _topic('input_topic', 'wheel_rates', 'nominal wheel motion in'),
     _topic('output_topic', 'noisy_wheel_rates', 'effective wheel motion out'),
-    Entry('left_bias', 0.0, 'fraction of travel that the left wheel gains, above -1',
-          check=_check_bias),
-    Entry('right_bias', 0.0, 'fraction of travel that the right wheel gains, above -1',
-          check=_check_bias),
-    Entry('left_slip_variance', 0.0, 'k [m] of the left wheel: Var[travel error] = k |travel|',
-          check=check_non_negative),
-    Entry('right_slip_variance', 0.0, 'k [m] of the right wheel: Var[travel error] = k |travel|',
-          check=check_non_negative),
+    *_BIAS, *_SLIP,
     Entry('slip_model', 'travel', "'travel': variance grows with distance, whatever the message "
           "rate; 'command': sigma is in proportion to the rate, drawn once a message, "
           '*_slip_variance is its squared fraction [1], and the statistics depend on the message '
           'rate', Kind.STRING, _check_slip_model),
+    _DISTRIBUTION,
     Entry('seed', 0, 'of the random generator, 0 or above; setting another one starts anew',
           Kind.INTEGER, _check_seed),
     Entry('command_timeout', 0.5, 'silence [s] over which rates are held at most; as in '
@@ -238,10 +275,15 @@ SIMULATED_BASE = (
           Kind.BOOL, read_only=True),
     _string('odom_frame_id', 'odom', 'fixed frame of the odometry', _check_named),
     _string('base_frame_id', 'base_link', 'frame of the robot', _check_named),
-    Entry('pose_covariance_diagonal', [0.0] * 6, 'variances of the pose as published',
-          Kind.DOUBLES, _check_diagonal),
-    Entry('twist_covariance_diagonal', [0.0] * 6, 'variances of the twist as published',
-          Kind.DOUBLES, _check_diagonal))
+    *_SLIP,
+    Entry('slip_model', 'travel', 'as in wheel_noise; the variances of command are none per metre '
+          'and are not counted here', Kind.STRING, _check_slip_model),
+    Entry('covariance_floor', 1e-9, 'added to every variance that is published, so that none is '
+          'zero', check=check_non_negative),
+    Entry('pose_covariance_diagonal', [0.0] * 6, 'variances of the pose to publish instead of '
+          'those of the slip; zeros: do not', Kind.DOUBLES, _check_diagonal),
+    Entry('twist_covariance_diagonal', [0.0] * 6, 'variances of the twist to publish instead of '
+          'those of the slip; zeros: do not', Kind.DOUBLES, _check_diagonal))
 
 COMMAND_SEQUENCE = (
     _topic('cmd_vel_topic', 'cmd_vel', 'velocity commands out'),
@@ -258,6 +300,37 @@ COMMAND_SEQUENCE = (
     Entry('wait_for_topics', [], 'topics that must have answered before the first command; '
           'until then zeros are sent', Kind.STRINGS, read_only=True))
 
+FORWARD_PROJECTION = (
+    *_GEOMETRY, *_JOINTS,
+    _topic('odom_topic', 'odom', 'odometry in: where the robot is'),
+    _topic('wheel_motion_topic', 'wheel_rates', 'wheel motion in: the rates that are held'),
+    _topic('poses_topic', 'projected_poses', 'samples out, PoseArray; empty: off', optional=True),
+    _topic('boundary_topic', 'projected_boundary', 'boundary of all that bounded slip can reach '
+           'out, PolygonStamped; empty: off', optional=True),
+    Entry('publish_rate', 5.0, 'rate [Hz] of the projections', check=check_rate),
+    Entry('command_timeout', 0.5, 'silence [s] after which the wheels count as stopped; as in '
+          'simulated_base; 0: never', check=check_duration),
+    Entry('horizon', 2.0, 'how far ahead [s] to look, above 0', check=_check_horizon),
+    Entry('stages', 4, 'into how many steps of equal length the horizon is cut, each with slip of '
+          'its own', Kind.INTEGER, _check_stages),
+    Entry('samples', 200, 'number of poses', Kind.INTEGER, _check_count),
+    Entry('seed', 0, 'of the samples; the same each time, so that they move with the robot',
+          Kind.INTEGER, _check_seed),
+    *_SLIP, _DISTRIBUTION)
+
+PLOT_PATHS = (
+    *_SEPARATION,
+    Entry('commands', [], 'v [m/s], omega [rad/s], duration [s] of each command, one after '
+          'another in one flat list', Kind.DOUBLES, read_only=True),
+    Entry('steps', 5, 'into how many steps of equal length each command is cut, each with slip of '
+          'its own', Kind.INTEGER, _check_stages, read_only=True),
+    Entry('paths', 100, 'number of sample paths', Kind.INTEGER, _check_count, read_only=True),
+    Entry('initial_pose', [0.0, 0.0, 0.0], 'x [m], y [m], yaw [rad] at start', Kind.DOUBLES,
+          _check_pose, read_only=True),
+    Entry('seed', 0, 'of the paths, 0 or above', Kind.INTEGER, _check_seed, read_only=True),
+    *_BIAS, *_SLIP, _DISTRIBUTION,
+    _string('output', 'paths.png', 'file to write, .png or .svg', _check_picture))
+
 DIFFDRIVE_SIM = (
     Entry('nodes', [], "what to compose: 'class' or 'class:name'", Kind.STRINGS, read_only=True),
     Entry('clock_step', 0.0, 'step [s] of a simulated clock that is published on /clock; 0: real '
@@ -268,6 +341,7 @@ DIFFDRIVE_SIM = (
 TABLES = {
     'diff_drive_controller': DIFF_DRIVE_CONTROLLER, 'wheel_noise': WHEEL_NOISE,
     'simulated_base': SIMULATED_BASE, 'command_sequence': COMMAND_SEQUENCE,
+    'forward_projection': FORWARD_PROJECTION, 'plot_paths': PLOT_PATHS,
     'diffdrive_sim': DIFFDRIVE_SIM}
 KNOWN_NAMES = frozenset(entry.name for table in TABLES.values() for entry in table)
 
@@ -297,6 +371,24 @@ def wheel_radii(values: Values) -> Tuple[float, float]:
         left_wheel_radius_multiplier=values['left_wheel_radius_multiplier'],
         right_wheel_radius_multiplier=values['right_wheel_radius_multiplier'])
     return geometry.left_radius, geometry.right_radius
+
+
+def wheel_slips(values: Values) -> Tuple[WheelSlip, WheelSlip]:
+    """Return bias and slip (left, right) of a node's values; what it has no name for is 0."""
+    left, right = (
+        WheelSlip(values.get(f'{side}_bias', 0.0), values[f'{side}_slip_variance'],
+                  values.get('slip_model', 'travel'), values['slip_distribution'])
+        for side in ('left', 'right'))
+    return left, right
+
+
+def commands_from(numbers: Sequence[float]) -> List[Command]:
+    """Return the commands of a flat list of v, omega, duration; ``ValueError`` if it is none."""
+    if len(numbers) % 3:
+        raise ValueError(
+            f'commands has {len(numbers)} numbers, expected three for each command: v, omega, '
+            'duration')
+    return [Command(*numbers[i:i + 3]) for i in range(0, len(numbers), 3)]
 
 
 def axis_limits(values: Values, axis: str) -> AxisLimits:

@@ -17,13 +17,13 @@
 from dataclasses import dataclass, replace
 from typing import Any, Mapping
 
-from diffdrive_kinematics.core.noise import WheelSlip
 from diffdrive_kinematics.core.slip_stream import SlipStream
 from diffdrive_kinematics.core.wheel_motion import timeout_from_seconds
 from diffdrive_kinematics.nodes.messages import WheelMessage, WheelReader
 from diffdrive_kinematics.nodes.node import DiffDriveNode
 from diffdrive_kinematics.nodes.running import main_of
-from diffdrive_kinematics.nodes.tables import check_sides, check_wiring, WHEEL_NOISE, wheel_radii
+from diffdrive_kinematics.nodes.tables import (
+    check_sides, check_wiring, WHEEL_NOISE, wheel_radii, wheel_slips)
 import numpy as np
 from sensor_msgs.msg import JointState
 
@@ -40,11 +40,8 @@ def build(values: Mapping[str, Any]) -> Config:
     """Return the configuration of parameter values, or raise ``ValueError``."""
     check_wiring(values, 'input_topic', ('output_topic',))
     check_sides(values)
-    left, right = (
-        WheelSlip(values[f'{side}_bias'], values[f'{side}_slip_variance'], values['slip_model'])
-        for side in ('left', 'right'))
     return Config(
-        SlipStream(wheel_radii(values), left, right,
+        SlipStream(wheel_radii(values), *wheel_slips(values),
                    timeout_from_seconds(values['command_timeout'])), values)
 
 

@@ -26,9 +26,10 @@ import setuptools
 
 ROOT = Path(__file__).resolve().parents[2]
 PACKAGE = ROOT / 'diffdrive_kinematics'
-EXECUTABLES = {'command_sequence', 'diff_drive_controller', 'diffdrive_sim', 'simulated_base',
-               'wheel_noise'}
+EXECUTABLES = {'command_sequence', 'diff_drive_controller', 'diffdrive_sim',
+               'forward_projection', 'plot_paths', 'simulated_base', 'wheel_noise'}
 ROSDEP_KEY = {'numpy': 'python3-numpy', 'yaml': 'python3-yaml'}
+OPTIONAL = {'matplotlib'}  # an extra of setup.py
 
 
 @pytest.fixture
@@ -133,7 +134,7 @@ def test_every_import_is_a_declared_dependency(manifest):
     """Also of the modules that are imported only where they are needed."""
     depends = {element.text for element in manifest
                if element.tag in ('depend', 'exec_depend')}
-    needed = {ROSDEP_KEY.get(name, name) for name in imported_by_the_package()}
+    needed = {ROSDEP_KEY.get(name, name) for name in imported_by_the_package() - OPTIONAL}
     assert 'python3-numpy' in needed
     assert needed <= depends
 
@@ -141,6 +142,13 @@ def test_every_import_is_a_declared_dependency(manifest):
 def test_tf2_msgs_is_imported_only_where_it_may_be_missing():
     """No wheel of tf2_msgs exists, and all but the transforms works without it."""
     assert 'tf2_msgs' not in imported_by_the_package(lazy=False)
+
+
+def test_matplotlib_is_imported_only_where_it_may_be_missing(declared):
+    """It is for pictures alone, so pip installs it only with the extra ``plot``."""
+    assert 'matplotlib' not in imported_by_the_package(lazy=False)
+    assert 'matplotlib' not in declared['install_requires']
+    assert declared['extras_require']['plot'] == ['matplotlib']
 
 
 @pytest.mark.parametrize('source, at_load, ever', [

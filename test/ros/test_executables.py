@@ -31,6 +31,7 @@ EXECUTABLES = {
     'wheel_noise': {'wheel_radius': 0.021},
     'simulated_base': KHEPERA,
     'command_sequence': {'commands': [0.1, 0.0, 60.0]},
+    'forward_projection': KHEPERA,
     'diffdrive_sim': {'clock_step': 0.0},
 }
 

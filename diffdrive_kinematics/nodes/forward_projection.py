@@ -1,0 +1,159 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""``forward_projection``: odometry and wheel rates in, where the robot may soon be out."""
+
+from dataclasses import dataclass
+import math
+from typing import Any, List, Mapping, Optional, Tuple
+
+from diffdrive_kinematics.core import odometry as core
+from diffdrive_kinematics.core.arc import Pose
+from diffdrive_kinematics.core.distributions import unit_bound
+from diffdrive_kinematics.core.geometry import WheelGeometry
+from diffdrive_kinematics.core.noise import WheelSlip
+from diffdrive_kinematics.core.projection import sample_paths, travel_of_command
+from diffdrive_kinematics.core.reachable import reachable_set_from_slip
+from diffdrive_kinematics.core.sequence import Command
+from diffdrive_kinematics.core.wheel_motion import timeout_from_seconds
+from diffdrive_kinematics.nodes.messages import pose_from_odometry, WheelReader
+from diffdrive_kinematics.nodes.node import DiffDriveNode
+from diffdrive_kinematics.nodes.projection_messages import PolygonMessage, PosesMessage
+from diffdrive_kinematics.nodes.running import main_of
+from diffdrive_kinematics.nodes.tables import (
+    check_sides, check_wiring, FORWARD_PROJECTION, wheel_geometry, wheel_slips)
+from geometry_msgs.msg import PolygonStamped, PoseArray
+from nav_msgs.msg import Odometry
+from sensor_msgs.msg import JointState
+
+WAITING_REPORT_PERIOD_S = 10.0
+
+
+@dataclass(frozen=True)
+class Config:
+    """What the projection is set to."""
+
+    geometry: WheelGeometry
+    timeout_ns: Optional[int]
+    slips: Tuple[WheelSlip, WheelSlip]
+    values: Mapping[str, Any]
+
+    def bounded(self) -> bool:
+        """Return whether the slip has bounds, so that what can be reached has."""
+        return all(slip.variance == 0.0 or math.isfinite(unit_bound(slip.distribution))
+                   for slip in self.slips)
+
+
+def build(values: Mapping[str, Any]) -> Config:
+    """Return the configuration of parameter values, or raise ``ValueError``."""
+    for source in ('odom_topic', 'wheel_motion_topic'):
+        check_wiring(values, source, ('poses_topic', 'boundary_topic'))
+    check_sides(values)
+    return Config(
+        wheel_geometry(values), timeout_from_seconds(values['command_timeout']),
+        wheel_slips(values), values)
+
+
+class ForwardProjection(DiffDriveNode[Config]):
+    """
+    Projects the last odometry forward as if the wheel rates were held for the horizon.
+
+    Each odometry is projected once at most: where none comes, nothing is published.
+    """
+
+    def __init__(self, name: str = 'forward_projection', **composition: Any) -> None:
+        super().__init__(name, FORWARD_PROJECTION, build, **composition)
+        values = self.config.values
+        self._reader = WheelReader(values['left_wheel_names'], values['right_wheel_names'])
+        self._wheels = core.Odometry.starting_at(  # for its account of the rates alone
+            Pose(0.0, 0.0, 0.0), geometry=self.config.geometry, timeout_ns=self.config.timeout_ns)
+        self._odometry: Optional[Tuple[Odometry, Pose]] = None
+        self._poses_message, self._polygon_message = PosesMessage(), PolygonMessage()
+        topic = values['poses_topic']
+        self._poses_publisher = self.publisher(PoseArray, topic) if topic else None
+        topic = values['boundary_topic']
+        self._boundary_publisher = self.publisher(PolygonStamped, topic) if topic else None
+        self.subscribe(Odometry, values['odom_topic'], self._on_odometry)
+        self.subscribe(JointState, values['wheel_motion_topic'], self._on_wheels)
+        self._timer = self.every(values['publish_rate'], self._tick)
+        self.parameters.on_change(self._configure)
+        self._tell_bounds()
+
+    def _on_odometry(self, message: Odometry) -> None:
+        self._odometry = message, pose_from_odometry(message)
+
+    def _on_wheels(self, message: JointState) -> None:
+        now_ns = self._synchronised_now()
+        sample = self._reader.read(message, lambda: now_ns)
+        if sample is None:
+            return
+        self._wheels, verdict = self._wheels.received(sample, now_ns)
+        self.judge(verdict, self.config.values['wheel_motion_topic'])
+
+    def _tick(self) -> None:
+        now_ns = self._synchronised_now()
+        if self._odometry is None or self._wheels.motion is None:
+            self.get_logger().info(
+                'waiting for odometry and wheel motion',
+                throttle_duration_sec=WAITING_REPORT_PERIOD_S, skip_first=True)
+            return
+        (odometry, pose), self._odometry = self._odometry, None
+        try:
+            self._project(odometry, pose, self._commands(now_ns))
+        except ValueError as error:
+            self.refuse(f'to project: {error}')
+
+    def _commands(self, now_ns: int) -> List[Command]:
+        """Return the twist of the wheels, held for the horizon, stage by stage."""
+        v, w = self._wheels.at(now_ns).twist
+        stages = self.config.values['stages']
+        return [Command(v, w, self.config.values['horizon'] / stages)] * stages
+
+    def _project(self, odometry: Odometry, pose: Pose, commands: List[Command]) -> None:
+        config = self.config
+        if self._poses_publisher:
+            paths = sample_paths(
+                pose, commands, config.geometry, *config.slips, n=config.values['samples'],
+                seed=config.values['seed'])
+            ends = Pose(*(column[-1] for column in paths))
+            self._poses_publisher.publish(self._poses_message.filled(odometry.header, ends))
+        if self._boundary_publisher and config.bounded():
+            travels = [travel_of_command(command, config.geometry) for command in commands]
+            x, y = reachable_set_from_slip(pose, travels, config.geometry, *config.slips)
+            self._boundary_publisher.publish(self._polygon_message.filled(odometry.header, x, y))
+
+    def _synchronised_now(self) -> int:
+        now_ns, step_ns = self.now_and_step()
+        if step_ns:
+            self._wheels = self._wheels.clock_stepped(step_ns)
+        return now_ns
+
+    def _tell_bounds(self) -> None:
+        if self._boundary_publisher and not self.config.bounded():
+            distribution = self.config.values['slip_distribution']
+            self.get_logger().info(
+                f"no boundary is published: slip_distribution is '{distribution}', which has no "
+                'bounds')
+
+    def _configure(self, config: Config) -> None:
+        self._wheels = self._wheels.configured(
+            config.geometry, config.timeout_ns, self._synchronised_now())
+        self._timer = self.retimed(self._timer, config.values['publish_rate'], self._tick)
+        self._tell_bounds()
+
+
+main = main_of(ForwardProjection)
+
+if __name__ == '__main__':
+    main()

@@ -1,0 +1,146 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""``plot_paths``: a list of commands in, a picture of where they lead under slip out."""
+
+from dataclasses import dataclass
+import math
+import sys
+from typing import Any, List, Mapping, Tuple
+
+from diffdrive_kinematics.core.arc import Pose
+from diffdrive_kinematics.core.covariance import (
+    NO_COVARIANCE, PoseCovariance, propagated_covariance)
+from diffdrive_kinematics.core.distributions import unit_bound
+from diffdrive_kinematics.core.geometry import WheelGeometry
+from diffdrive_kinematics.core.noise import WheelSlip
+from diffdrive_kinematics.core.projection import sample_paths, travel_of_command
+from diffdrive_kinematics.core.reachable import reachable_set_from_slip
+from diffdrive_kinematics.core.sequence import Command
+from diffdrive_kinematics.nodes.drawing import draw, Picture
+from diffdrive_kinematics.nodes.node import DiffDriveNode
+from diffdrive_kinematics.nodes.parameters import ConfigurationError
+from diffdrive_kinematics.nodes.running import run, Stop
+from diffdrive_kinematics.nodes.share import with_params_file
+from diffdrive_kinematics.nodes.tables import commands_from, PLOT_PATHS, wheel_slips
+import numpy as np
+
+MISSING = (
+    "plot_paths needs matplotlib, which is missing: pip install 'diffdrive_kinematics[plot]' or "
+    'apt install python3-matplotlib')
+
+
+@dataclass(frozen=True)
+class Config:
+    """What the picture is of: every command is ``steps`` equal ones in a row."""
+
+    steps: Tuple[Command, ...]
+    each: int
+    geometry: WheelGeometry
+    slips: Tuple[WheelSlip, WheelSlip]
+    values: Mapping[str, Any]
+
+
+def build(values: Mapping[str, Any]) -> Config:
+    """Return the configuration of parameter values, or raise ``ValueError``."""
+    commands = commands_from(values['commands'])
+    if not commands:
+        raise ValueError('commands is empty, expected at least one (v, omega, duration)')
+    each = values['steps']
+    steps = tuple(
+        Command(u.v, u.w, u.duration / each) for u in commands for _ in range(each))
+    geometry = WheelGeometry(  # the radius does not count: commands are twists
+        values['wheel_separation'], 1.0,
+        wheel_separation_multiplier=values['wheel_separation_multiplier'])
+    return Config(steps, each, geometry, wheel_slips(values), values)
+
+
+def picture_of(config: Config) -> Picture:
+    """Return what there is to see."""
+    start, values = Pose(*config.values['initial_pose']), config.values
+    paths = sample_paths(
+        start, config.steps, config.geometry, *config.slips, n=values['paths'],
+        seed=values['seed'])
+    means, covariances = _beliefs(start, config)
+    after = range(config.each, len(means), config.each)
+    boundaries = [_boundary(start, config, end) for end in after] if _bounded(config) else []
+    return Picture(
+        paths, Pose(*map(np.array, zip(*means))), [(means[i], covariances[i]) for i in after],
+        boundaries, _title(config))
+
+
+def _beliefs(start: Pose, config: Config) -> Tuple[List[Pose], List[PoseCovariance]]:
+    """Return the mean and its covariance after each step; the bias is part of the mean."""
+    gains = [1.0 + slip.bias for slip in config.slips]
+    variances = [slip.variance / gain for slip, gain in zip(config.slips, gains)]
+    means, covariances = [start], [NO_COVARIANCE]
+    for command in config.steps:
+        travel = (gain * d for gain, d in zip(gains, travel_of_command(command, config.geometry)))
+        mean, covariance = propagated_covariance(
+            covariances[-1], means[-1], config.geometry, *travel, *variances)
+        means.append(mean)
+        covariances.append(covariance)
+    return means, covariances
+
+
+def _bounded(config: Config) -> bool:
+    return math.isfinite(unit_bound(config.values['slip_distribution']))
+
+
+def _boundary(start: Pose, config: Config, end: int) -> Tuple[Any, Any]:
+    travels = [travel_of_command(command, config.geometry) for command in config.steps[:end]]
+    return reachable_set_from_slip(start, travels, config.geometry, *config.slips)
+
+
+def _title(config: Config) -> str:
+    values = config.values
+    left, right = (1000.0 * math.sqrt(slip.variance) for slip in config.slips)
+    roots = f'{left:.3g}' if left == right else f'{left:.3g} (left), {right:.3g} (right)'
+    return (
+        f"{values['paths']} paths of {len(config.steps)} steps, "
+        f"{values['slip_distribution'].replace('_', ' ')} slip: "
+        rf'$\sqrt{{k}}$ = {roots} $\mathrm{{mm}}/\sqrt{{\mathrm{{m}}}}$')
+
+
+class PlotPaths(DiffDriveNode[Config]):
+    """Has the parameters; there is nothing to hear and nothing to say."""
+
+    def __init__(self, name: str = 'plot_paths', **composition: Any) -> None:
+        super().__init__(name, PLOT_PATHS, build, **composition)
+
+
+def work(_: Stop) -> int:
+    """Draw the picture; return the exit status."""
+    node = PlotPaths()
+    file = node.config.values['output']
+    try:
+        draw(picture_of(node.config), file)
+    except ImportError as error:
+        raise ConfigurationError(f'{MISSING} ({error})') from error
+    except OSError as error:
+        raise ConfigurationError(
+            f'output is {file!r}, expected a file that can be written: {error}') from error
+    finally:
+        node.destroy_node()
+    print(file, flush=True)
+    return 0
+
+
+def main() -> None:
+    """Run ``plot_paths``."""
+    sys.exit(run(work, with_params_file(sys.argv, 'plot_paths.yaml')))
+
+
+if __name__ == '__main__':
+    main()
