@@ -110,7 +110,8 @@ class CommandSequence(DiffDriveNode[Config]):
             if not self._is_heard():
                 return
             self._start_ns = now_ns
-            self.get_logger().info(f'playing {self.length_s:.3f} s of commands')
+            self.get_logger().info(
+                f'playing {self.length_s:.3f} s of commands from {now_ns} ns on')
         self._play(now_ns)
 
     def _play(self, now_ns: int) -> None:
