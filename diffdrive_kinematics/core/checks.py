@@ -68,23 +68,21 @@ def check_above(name: str, value: float, bound: float) -> float:
 
 def check_rate(name: str, value: float) -> float:
     """Return ``value`` as a float, or raise unless it is a rate [Hz] from 1e-6 to 1e6."""
-    number = float(value)
-    if not 1e-6 <= number <= 1e6:
-        raise ValueError(f'{name} is {value!r}, expected a rate from 1e-6 to 1e6 Hz')
-    return number
+    return _check_within(name, value, 1e-6, 1e6, 'a rate from 1e-6 to 1e6 Hz')
 
 
 def check_duration(name: str, value: float) -> float:
     """Return ``value`` as a float, or raise unless it is a duration [s] from 0 to 1e9."""
-    number = float(value)
-    if not 0.0 <= number <= 1e9:
-        raise ValueError(f'{name} is {value!r}, expected a duration from 0 to 1e9 s')
-    return number
+    return _check_within(name, value, 0.0, 1e9, 'a duration from 0 to 1e9 s')
 
 
 def check_length(name: str, value: float) -> float:
     """Return ``value`` as a float, or raise unless it is a length [m] from 1e-6 to 1e6."""
+    return _check_within(name, value, 1e-6, 1e6, 'a length from 1e-6 to 1e6 m')
+
+
+def _check_within(name: str, value: float, low: float, high: float, expected: str) -> float:
     number = float(value)
-    if not 1e-6 <= number <= 1e6:
-        raise ValueError(f'{name} is {value!r}, expected a length from 1e-6 to 1e6 m')
+    if not low <= number <= high:
+        raise ValueError(f'{name} is {value!r}, expected {expected}')
     return number
