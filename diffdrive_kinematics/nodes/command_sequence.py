@@ -16,7 +16,7 @@
 
 from dataclasses import dataclass
 from importlib import import_module
-from typing import Any, Dict, Mapping, Set
+from typing import Any, Dict, Mapping, Sequence, Set
 
 from diffdrive_kinematics.core.playback import (
     Course, course_from_commands, course_from_recording)
@@ -27,6 +27,7 @@ from diffdrive_kinematics.nodes.recordings import COMMAND_COLUMNS, read_columns
 from diffdrive_kinematics.nodes.running import main_of
 from diffdrive_kinematics.nodes.tables import COMMAND_SEQUENCE, commands_from
 from geometry_msgs.msg import Twist, TwistStamped
+from rclpy.publisher import Publisher
 from rclpy.subscription import Subscription
 
 WAITING_REPORT_PERIOD_S = 5.0
@@ -179,9 +180,10 @@ class CommandSequence(DiffDriveNode[Config]):
         message = self._message.filled(stamp_ns, v, w)
         self._publisher.publish(message if self._stamped else message.twist)
 
-    def close(self) -> None:
+    def last_word(self) -> Sequence[Publisher]:
         """Leave the robot with the command to stand still."""
         self._send(self.now_ns(), 0.0, 0.0)
+        return [self._publisher]
 
 
 main = main_of(CommandSequence)

@@ -15,7 +15,7 @@
 """``diff_drive_controller``: velocity commands in, wheel rates out, within limits."""
 
 from dataclasses import dataclass
-from typing import Any, List, Mapping
+from typing import Any, List, Mapping, Sequence
 
 from diffdrive_kinematics.core.drive import Drive, DriveSettings, DriveTelling, Twist
 from diffdrive_kinematics.nodes.messages import (
@@ -25,6 +25,7 @@ from diffdrive_kinematics.nodes.running import main_of
 from diffdrive_kinematics.nodes.tables import (
     axis_limits, check_sides, check_wiring, DIFF_DRIVE_CONTROLLER, wheel_geometry)
 from geometry_msgs.msg import Twist as TwistMsg, TwistStamped
+from rclpy.publisher import Publisher
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64MultiArray
 
@@ -178,11 +179,13 @@ class DiffDriveController(DiffDriveNode[Config]):
                 f'{self.command_type()}: is enable_stamped_cmd_vel (now '
                 f'{str(self._stamped).lower()}) set as it should be?')
 
-    def close(self) -> None:
+    def last_word(self) -> Sequence[Publisher]:
         """Leave the wheels with the command to stand still."""
         now_ns = self._synchronised_now()
         telling = self._drive.told(now_ns)
         self._tell([telling._replace(rates=(0.0, 0.0), twist=STILL)])
+        publishers = self._wheels_publisher, self._commands_publisher, self._twist_publisher
+        return [publisher for publisher in publishers if publisher]
 
 
 main = main_of(DiffDriveController)

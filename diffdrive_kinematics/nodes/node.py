@@ -16,7 +16,7 @@
 
 from collections import Counter
 import time
-from typing import Any, Callable, Generic, Mapping, Optional, Set, Tuple, TypeVar
+from typing import Any, Callable, Generic, Mapping, Optional, Sequence, Set, Tuple, TypeVar
 
 from diffdrive_kinematics.core.wheel_motion import Verdict
 from diffdrive_kinematics.nodes.clocks import period_ns, SteppedClock, StepWatch
@@ -25,6 +25,7 @@ from diffdrive_kinematics.nodes.tables import Entry
 from diffdrive_kinematics.nodes.traffic import Traffic
 from rclpy.clock import Clock
 from rclpy.clock_type import ClockType
+from rclpy.duration import Duration
 from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
 from rclpy.publisher import Publisher
@@ -36,6 +37,7 @@ Config = TypeVar('Config')
 QUEUE_DEPTH = 10
 STEPPED_QUEUE_DEPTH = 1000  # other processes cannot hold up time that is stepped
 REPORT_PERIOD_S = 1.0
+LAST_WORD_PERIOD = Duration(nanoseconds=20_000_000)
 
 
 class DiffDriveNode(Node, Generic[Config]):
@@ -201,5 +203,23 @@ class DiffDriveNode(Node, Generic[Config]):
         """Return whether the node has all it can have before time begins to pass."""
         return True
 
+    def last_word(self) -> Sequence[Publisher]:
+        """Publish what must be said before the node goes, and return the publishers used."""
+        return ()
+
     def close(self) -> None:
-        """Say what must be said before the node goes; called once, while it still can."""
+        """
+        Say the last word, and see that it is heard; called once, while it still can be said.
+
+        A publisher that goes takes along what has not arrived.  DDS asks for acknowledgement at
+        its next heartbeat, up to 3 s later, or as soon as a queue is full: so the last word is
+        repeated until it is acknowledged, slowly enough to push nothing out of the reader's queue.
+        """
+        publishers = self.last_word()
+        if self._stepped:
+            return
+        for _ in range(QUEUE_DEPTH):
+            if all(publisher.wait_for_all_acked(LAST_WORD_PERIOD) for publisher in publishers):
+                return
+            self.last_word()
+        self.get_logger().warning('the last word of this node was not acknowledged')

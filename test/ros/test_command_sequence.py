@@ -54,7 +54,7 @@ def test_a_recording_is_played_at_its_times_and_the_last_of_duplicate_stamps_win
         'recording': str(recording), 'enable_stamped_cmd_vel': True})
     graph.wait_for(lambda: not sequence.running, 'the end')
     assert '1 rows of the recording' in sequence.output
-    graph.wait_for(lambda: changes(commands)[-1][1] == (0.0, 0.0), 'zero')
+    graph.wait_for(lambda: changes(commands) and changes(commands)[-1][1] == (0.0, 0.0), 'zero')
     played = changes(commands)[-4:]
     assert [twist for _, twist in played] == [(0.1, 0.0), (0.2, 0.5), (0.3, 0.0), (0.0, 0.0)]
     start = stamp_ns(played[0][0])
