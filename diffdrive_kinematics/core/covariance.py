@@ -32,13 +32,14 @@ from typing import NamedTuple, Tuple
 
 from diffdrive_kinematics.core.arc import advance, Pose
 from diffdrive_kinematics.core.checks import check_non_negative, check_positive
+from diffdrive_kinematics.core.distributions import heading_variance
 from diffdrive_kinematics.core.geometry import pose_change_from_travel, WheelGeometry
 import numpy as np
 from numpy.typing import NDArray
 
 __all__ = [
-    'NO_COVARIANCE', 'PoseCovariance', 'TwistCovariance', 'moved_covariance',
-    'propagated_covariance', 'slip_covariance', 'twist_covariance']
+    'NO_COVARIANCE', 'PoseCovariance', 'TwistCovariance', 'heading_covariance',
+    'moved_covariance', 'propagated_covariance', 'slip_covariance', 'twist_covariance']
 
 
 class PoseCovariance(NamedTuple):
@@ -102,6 +103,21 @@ class PoseCovariance(NamedTuple):
 
 
 NO_COVARIANCE = PoseCovariance(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+
+
+def heading_covariance(concentration: float) -> PoseCovariance:
+    """
+    Return the covariance of a known position with a von Mises heading; NaN: a known one too.
+
+    Raises
+    ------
+    ValueError
+        If the concentration kappa is infinite or below 0.
+
+    """
+    if math.isnan(concentration):
+        return NO_COVARIANCE
+    return NO_COVARIANCE._replace(tt=heading_variance(concentration))
 
 
 class TwistCovariance(NamedTuple):

@@ -94,7 +94,8 @@ class Odometry:
     @staticmethod
     def starting_at(
             pose: Pose, *, geometry: WheelGeometry, timeout_ns: Optional[int],
-            slip_variances: Pair = NO_SLIP) -> 'Odometry':
+            slip_variances: Pair = NO_SLIP, covariance: PoseCovariance = NO_COVARIANCE
+    ) -> 'Odometry':
         """
         Return the odometry of a base that stands at ``pose`` (scalars) with wheel angles 0.
 
@@ -109,7 +110,7 @@ class Odometry:
             check_finite(f'{name} of the pose', float(value))
         return Odometry(
             geometry, timeout_ns, RunningSum(float(pose.x)), RunningSum(float(pose.y)),
-            RunningSum(float(pose.theta)), slip_variances=slip_variances)
+            RunningSum(float(pose.theta)), slip_variances=slip_variances, covariance=covariance)
 
     def received(self, sample: WheelSample, now_ns: int) -> Tuple['Odometry', Verdict]:
         """

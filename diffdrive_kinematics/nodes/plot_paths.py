@@ -21,8 +21,8 @@ from typing import Any, List, Mapping, Tuple
 
 from diffdrive_kinematics.core.arc import Pose
 from diffdrive_kinematics.core.covariance import (
-    NO_COVARIANCE, PoseCovariance, propagated_covariance)
-from diffdrive_kinematics.core.distributions import unit_bound
+    heading_covariance, PoseCovariance, propagated_covariance)
+from diffdrive_kinematics.core.distributions import sample_heading, unit_bound
 from diffdrive_kinematics.core.geometry import WheelGeometry
 from diffdrive_kinematics.core.noise import WheelSlip
 from diffdrive_kinematics.core.projection import sample_paths, travel_of_command
@@ -70,7 +70,7 @@ def picture_of(config: Config) -> Picture:
     """Return what there is to see."""
     start, values = Pose(*config.values['initial_pose']), config.values
     paths = sample_paths(
-        start, config.steps, config.geometry, *config.slips, n=values['paths'],
+        _starts(start, config), config.steps, config.geometry, *config.slips, n=values['paths'],
         seed=values['seed'])
     means, covariances = _beliefs(start, config)
     after = range(config.each, len(means), config.each)
@@ -84,7 +84,8 @@ def _beliefs(start: Pose, config: Config) -> Tuple[List[Pose], List[PoseCovarian
     """Return the mean and its covariance after each step; the bias is part of the mean."""
     gains = [1.0 + slip.bias for slip in config.slips]
     variances = [slip.variance / gain for slip, gain in zip(config.slips, gains)]
-    means, covariances = [start], [NO_COVARIANCE]
+    means, covariances = [start], [
+        heading_covariance(config.values['initial_heading_concentration'])]
     for command in config.steps:
         travel = (gain * d for gain, d in zip(gains, travel_of_command(command, config.geometry)))
         mean, covariance = propagated_covariance(
@@ -94,8 +95,20 @@ def _beliefs(start: Pose, config: Config) -> Tuple[List[Pose], List[PoseCovarian
     return means, covariances
 
 
+def _starts(start: Pose, config: Config) -> Pose:
+    """Return where each path starts."""
+    concentration, n = config.values['initial_heading_concentration'], config.values['paths']
+    if math.isnan(concentration):
+        return start
+    generator = np.random.default_rng([config.values['seed'], len(config.steps)])
+    return Pose(np.full(n, start.x), np.full(n, start.y),
+                sample_heading(start.theta, concentration, generator, n))
+
+
 def _bounded(config: Config) -> bool:
-    return math.isfinite(unit_bound(config.values['slip_distribution']))
+    """Return whether there is a reachable set: von Mises headings have no bound."""
+    return (math.isfinite(unit_bound(config.values['slip_distribution']))
+            and math.isnan(config.values['initial_heading_concentration']))
 
 
 def _boundary(start: Pose, config: Config, end: int) -> Tuple[Any, Any]:

@@ -15,11 +15,14 @@
 """``simulated_base``: wheel motion in, odometry, joint states and tf out."""
 
 from dataclasses import dataclass
-from typing import Any, Mapping, Optional
+import math
+from typing import Any, Mapping, Optional, Tuple
 
 from diffdrive_kinematics.core import odometry as core
 from diffdrive_kinematics.core.arc import Pose
-from diffdrive_kinematics.core.covariance import twist_covariance
+from diffdrive_kinematics.core.covariance import (
+    heading_covariance, NO_COVARIANCE, PoseCovariance, twist_covariance)
+from diffdrive_kinematics.core.distributions import sample_heading
 from diffdrive_kinematics.core.geometry import WheelGeometry
 from diffdrive_kinematics.core.wheel_motion import Pair, timeout_from_seconds
 from diffdrive_kinematics.nodes.messages import OdometryMessage, WheelMessage, WheelReader
@@ -29,6 +32,7 @@ from diffdrive_kinematics.nodes.tables import (
     check_sides, check_wiring, SIMULATED_BASE, wheel_geometry)
 from diffdrive_kinematics.nodes.tf import TransformPublisher
 from nav_msgs.msg import Odometry
+import numpy as np
 from sensor_msgs.msg import JointState
 
 WAITING_REPORT_PERIOD_S = 10.0
@@ -54,6 +58,16 @@ def build(values: Mapping[str, Any]) -> Config:
         slips if values['slip_model'] == 'travel' else (0.0, 0.0), values)
 
 
+def _start(values: Mapping[str, Any]) -> Tuple[Pose, PoseCovariance]:
+    """Return the pose to start from and its covariance: a heading that is drawn is certain."""
+    pose = Pose(*values['initial_pose'])
+    concentration, seed = values['initial_heading_concentration'], values['initial_heading_seed']
+    if seed < 0 or math.isnan(concentration):
+        return pose, heading_covariance(concentration)
+    generator = np.random.default_rng(seed)
+    return pose._replace(theta=sample_heading(pose.theta, concentration, generator)), NO_COVARIANCE
+
+
 class SimulatedBase(DiffDriveNode[Config]):
     """
     Integrates wheel motion, and publishes at a rate that has no influence on the result.
@@ -66,9 +80,10 @@ class SimulatedBase(DiffDriveNode[Config]):
         values = self.config.values
         names = values['left_wheel_names'], values['right_wheel_names']
         self._reader = WheelReader(*names, positions=values['position_feedback'])
+        pose, covariance = _start(values)
         self._odometry = core.Odometry.starting_at(
-            Pose(*values['initial_pose']), geometry=self.config.geometry,
-            timeout_ns=self.config.timeout_ns, slip_variances=self.config.slip_variances)
+            pose, geometry=self.config.geometry, timeout_ns=self.config.timeout_ns,
+            slip_variances=self.config.slip_variances, covariance=covariance)
         self._wheels = WheelMessage(*names, source=self.source())
         self._message = OdometryMessage(values['odom_frame_id'], values['base_frame_id'])
         self._set_diagonals(values)

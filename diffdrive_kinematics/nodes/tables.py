@@ -79,6 +79,16 @@ def _check_seed(name: str, value: int) -> None:
         raise ValueError(f'{name} is {value!r}, expected an integer, 0 or above')
 
 
+def _check_optional_seed(name: str, value: int) -> None:
+    if value < -1:
+        raise ValueError(f'{name} is {value!r}, expected an integer, -1 or above')
+
+
+def _check_concentration(name: str, value: float) -> None:
+    if not math.isnan(value):
+        check_non_negative(name, value)
+
+
 def _check_count(name: str, value: int) -> None:
     if not 1 <= value <= MOST:
         raise ValueError(f'{name} is {value!r}, expected an integer from 1 to {MOST}')
@@ -259,6 +269,13 @@ WHEEL_NOISE = (
     Entry('command_timeout', 0.5, 'silence [s] over which rates are held at most; as in '
           'simulated_base; 0: any', check=check_duration))
 
+_START = (
+    Entry('initial_pose', [0.0, 0.0, 0.0], 'x [m], y [m], yaw [rad] at start', Kind.DOUBLES,
+          _check_pose, read_only=True),
+    Entry('initial_heading_concentration', math.nan, 'kappa of the von Mises density of the yaw '
+          'at start, about that of initial_pose, near 1 / variance [1/rad^2]; NaN: it is known',
+          check=_check_concentration, read_only=True))
+
 SIMULATED_BASE = (
     *_GEOMETRY, *_JOINTS,
     _topic('wheel_motion_topic', 'wheel_rates', 'wheel motion in: rates, positions or both'),
@@ -269,8 +286,10 @@ SIMULATED_BASE = (
           'plus this; 0: never', check=check_duration),
     Entry('position_feedback', True, 'false: ignore positions in wheel motion and integrate its '
           'rates', Kind.BOOL, read_only=True),
-    Entry('initial_pose', [0.0, 0.0, 0.0], 'x [m], y [m], yaw [rad] at start', Kind.DOUBLES,
-          _check_pose, read_only=True),
+    *_START,
+    Entry('initial_heading_seed', -1, 'draw the yaw at start with this seed, as a ground truth '
+          'does; -1: do not, and publish how uncertain it is', Kind.INTEGER, _check_optional_seed,
+          read_only=True),
     Entry('enable_odom_tf', True, 'broadcast odom_frame_id -> base_frame_id (needs tf2_msgs)',
           Kind.BOOL, read_only=True),
     _string('odom_frame_id', 'odom', 'fixed frame of the odometry', _check_named),
@@ -325,8 +344,7 @@ PLOT_PATHS = (
     Entry('steps', 5, 'into how many steps of equal length each command is cut, each with slip of '
           'its own', Kind.INTEGER, _check_stages, read_only=True),
     Entry('paths', 100, 'number of sample paths', Kind.INTEGER, _check_count, read_only=True),
-    Entry('initial_pose', [0.0, 0.0, 0.0], 'x [m], y [m], yaw [rad] at start', Kind.DOUBLES,
-          _check_pose, read_only=True),
+    *_START,
     Entry('seed', 0, 'of the paths, 0 or above', Kind.INTEGER, _check_seed, read_only=True),
     *_BIAS, *_SLIP, _DISTRIBUTION,
     _string('output', 'paths.png', 'file to write, .png or .svg', _check_picture))

@@ -161,12 +161,13 @@ def test_no_sample_that_propagate_draws_is_outside(course, distribution):
 @pytest.mark.parametrize(('course', 'number', 'lateral'), [
     ('straight', 1, False), ('straight', 2, False), ('straight', 1, True), ('arc', 1, False),
     ('arc', 2, False), ('arc', 1, True), ('long_turn', 1, False), ('long_turn', 2, False),
-    ('in_place', 2, False), ('in_place', 1, True), ('u_turn', 2, False), ('reverse', 2, False)])
+    ('in_place', 2, False), ('in_place', 1, True), ('u_turn', 2, False), ('reverse', 2, False),
+    ('arc', 2, True), ('straight', 3, False), ('long_turn', 3, False)])
 def test_the_area_is_that_of_the_image_of_the_box_within_2_percent(course, number, lateral):
     stages = stages_of(course, number, lateral=lateral)
-    side, pixels = (2400, (900, 300)) if number == 1 else (800, (400, 200))
-    if lateral:
-        side = 1600
+    bounds = number * (3 if lateral else 2)
+    side, pixels = {2: (2400, (900, 300)), 3: (1600, (900, 300)), 4: (800, (400, 200)),
+                    6: (300, (150, 80))}[bounds]
     dense = dense_area(stages, side, pixels)
     assert area(boundary_of(stages)) == pytest.approx(dense, rel=0.02)
 

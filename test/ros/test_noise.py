@@ -123,3 +123,15 @@ def test_same_seed_and_input_give_the_same_output_bit_for_bit(graph):
 
     assert bits(3) == bits(3)
     assert bits(3) != bits(4)
+
+
+def test_bounded_slip_has_the_variance_that_was_set_and_stays_within_its_bounds(graph):
+    outputs = pass_through(graph, 50.0, {**SETTINGS, 'slip_distribution': 'uniform'})
+    positions = np.array([[0.0, 0.0], *(message.position for message in outputs[1:])])
+    effective = RADIUS * np.diff(positions, axis=0)[:, 0]
+    nominal = RADIUS / 50.0 * np.array([rates_of(number)[0] for number in range(MESSAGES - 1)])
+    d, effective = nominal[nominal != 0.0], effective[nominal != 0.0]
+    e = (effective - (1.0 + SETTINGS['left_bias']) * d) / np.sqrt(
+        SETTINGS['left_slip_variance'] * np.abs(d))
+    assert np.max(np.abs(e)) <= math.sqrt(3.0) * (1.0 + 1e-6)
+    assert np.mean(e**2) == pytest.approx(1.0, abs=Z_999 * math.sqrt(0.8 / len(e)))

@@ -1,0 +1,156 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Where the robot may soon be, as it is published: samples, and the boundary around all."""
+
+import math
+
+from geometry_msgs.msg import PolygonStamped, PoseArray
+from graph import KHEPERA, set_stamp, stamp_ns
+from nav_msgs.msg import Odometry
+import numpy as np
+import pytest
+from sensor_msgs.msg import JointState
+
+JOINTS = ['left_wheel_joint', 'right_wheel_joint']
+SETTINGS = {
+    **KHEPERA, 'left_slip_variance': 2e-5, 'right_slip_variance': 1e-5, 'publish_rate': 20.0,
+    'slip_distribution': 'uniform', 'samples': 20_000, 'stages': 1, 'command_timeout': 0.0}
+START = (3.0, -2.0, 2.5)
+TOLERANCE = 1e-6  # m: float32 at a few metres
+
+
+def tell(graph, start=START, rates=((6.0, 9.0),)):
+    """Tell where the robot is and what its wheels do; return the publisher of odometry."""
+    wheels = graph.publisher(JointState, 'wheel_rates')
+    message = JointState(name=JOINTS)
+    for pair in rates:
+        set_stamp(message, graph.now_ns())
+        message.velocity = list(pair)
+        wheels.publish(message)
+    odometry = Odometry()
+    odometry.header.frame_id = 'odom'
+    set_stamp(odometry, 7_000_000_001)
+    odometry.pose.pose.position.x, odometry.pose.pose.position.y = start[:2]
+    odometry.pose.pose.orientation.z = math.sin(0.5 * start[2])
+    odometry.pose.pose.orientation.w = math.cos(0.5 * start[2])
+    return graph.publisher(Odometry, 'odom'), odometry
+
+
+def project(graph, settings, until, **told):
+    """Start the projection and repeat the odometry until something has come."""
+    process = graph.start('forward_projection', settings)
+    poses = graph.collect(PoseArray, 'projected_poses')
+    boundaries = graph.collect(PolygonStamped, 'projected_boundary')
+    publisher, odometry = tell(graph, **told)
+
+    def arrived():
+        publisher.publish(odometry)
+        return until(poses, boundaries)
+
+    graph.wait_for(arrived, 'projections')
+    return poses, boundaries, process
+
+
+def positions(message):
+    return np.array([(pose.position.x, pose.position.y) for pose in message.poses])
+
+
+def vertices(message):
+    return np.array([(point.x, point.y) for point in message.polygon.points])
+
+
+def furthest_outside(points, polygon):
+    """Return how far [m] the outermost of the points is from the inside; 0: none is outside."""
+    x, y = points[:, 0, None], points[:, 1, None]
+    (x0, y0), (x1, y1) = polygon.T, np.roll(polygon, -1, axis=0).T
+    with np.errstate(divide='ignore', invalid='ignore'):
+        crossed = ((y0 > y) != (y1 > y)) & (x < x0 + (y - y0) * (x1 - x0) / (y1 - y0))
+    outside = np.sum(crossed, axis=1) % 2 == 0
+    if not np.any(outside):
+        return 0.0
+    dx, dy = x1 - x0, y1 - y0
+    along = np.clip(((x - x0) * dx + (y - y0) * dy) / np.maximum(dx**2 + dy**2, 1e-300), 0.0, 1.0)
+    distance = np.min(np.hypot(x0 + along * dx - x, y0 + along * dy - y), axis=1)
+    return float(np.max(distance[outside]))
+
+
+def both(poses, boundaries):
+    return poses and boundaries
+
+
+@pytest.mark.parametrize('changes', [
+    {}, {'stages': 5}, {'slip_distribution': 'triangular', 'stages': 3},
+    {'slip_distribution': 'truncated_gaussian'}, {'left_slip_variance': 2e-3, 'stages': 2},
+    {'rates': (5.0, 5.0)}, {'rates': (-4.0, -5.0), 'stages': 4}],
+    ids=['uniform', 'stages', 'triangular', 'truncated', 'large', 'straight', 'reverse'])
+def test_the_published_boundary_contains_every_published_sample(graph, changes):
+    settings = {**SETTINGS, **changes}
+    rates = settings.pop('rates', (6.0, 9.0))
+    poses, boundaries, _ = project(graph, settings, both, rates=(rates,))
+    assert len(poses[-1].poses) == 20_000
+    assert furthest_outside(positions(poses[-1]), vertices(boundaries[-1])) <= TOLERANCE
+
+
+def test_the_boundary_is_no_wider_than_what_samples_reach(graph):
+    poses, boundaries, _ = project(graph, SETTINGS, both)
+    points, polygon = positions(poses[-1]), vertices(boundaries[-1])
+    assert np.all(np.ptp(points, axis=0) > 0.9 * np.ptp(polygon, axis=0))
+
+
+def test_projections_have_the_stamp_and_frame_of_the_odometry_and_start_from_its_pose(graph):
+    poses, boundaries, _ = project(
+        graph, {**KHEPERA, 'publish_rate': 20.0, 'command_timeout': 0.0, 'samples': 3,
+                'horizon': 4.0}, both, rates=((5.0, 5.0),))
+    for message in (poses[-1], boundaries[-1]):
+        assert (message.header.frame_id, stamp_ns(message)) == ('odom', 7_000_000_001)
+    distance = 5.0 * KHEPERA['wheel_radius'] * 4.0
+    expected = START[0] + distance * math.cos(START[2]), START[1] + distance * math.sin(START[2])
+    assert positions(poses[-1]) == pytest.approx(np.array([expected] * 3), abs=1e-9)
+    q = poses[-1].poses[0].orientation
+    assert 2.0 * math.atan2(q.z, q.w) == pytest.approx(START[2], abs=1e-9)
+    assert np.mean(vertices(boundaries[-1]), axis=0) == pytest.approx(expected, abs=1e-5)
+
+
+def test_unbounded_slip_has_samples_and_no_boundary_and_says_so(graph):
+    poses, boundaries, process = project(
+        graph, {**SETTINGS, 'slip_distribution': 'gaussian', 'samples': 50},
+        lambda poses, _: len(poses) > 3)
+    assert not boundaries
+    assert process.output.count('no boundary is published') == 1
+    assert 'refused' not in process.output
+
+
+def test_the_same_seed_gives_the_same_samples_every_time(graph):
+    poses, _, _ = project(graph, {**SETTINGS, 'samples': 50}, lambda poses, _: len(poses) > 3)
+    assert np.array_equal(positions(poses[0]), positions(poses[-1]))
+
+
+def test_a_robot_whose_wheels_have_fallen_silent_stays_where_it_is(graph):
+    poses, _, _ = project(
+        graph, {**SETTINGS, 'samples': 5, 'command_timeout': 0.1},
+        lambda poses, _: poses and np.ptp(positions(poses[-1])[:, 0]) == 0.0)
+    assert positions(poses[-1]) == pytest.approx(np.array([START[:2]] * 5), abs=1e-9)
+
+
+def test_an_odometry_that_is_not_finite_is_refused_and_the_next_is_projected(graph):
+    poses, _, process = project(graph, {**SETTINGS, 'samples': 5}, lambda poses, _: poses)
+    bad = Odometry()
+    bad.pose.pose.position.x = math.nan
+    publisher = graph.publisher(Odometry, 'odom')
+    publisher.publish(bad)
+    graph.wait_for(lambda: "refused message on 'odom'" in process.output, 'the refusal')
+    bad.pose.pose.position.x, bad.pose.pose.orientation.w = 9.0, 1.0
+    publisher.publish(bad)
+    graph.wait_for(lambda: poses[-1].poses[0].position.x > 8.0, 'the next')
