@@ -40,6 +40,7 @@ from diffdrive_kinematics.core.arc import Pose
 from diffdrive_kinematics.core.checks import check_non_negative
 from diffdrive_kinematics.core.covariance import (
     NO_COVARIANCE, PoseCovariance, propagated_covariance)
+from diffdrive_kinematics.core.estimate import Estimate
 from diffdrive_kinematics.core.geometry import WheelGeometry
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -65,13 +66,6 @@ class ReferenceNoise(NamedTuple):
 
 
 NO_NOISE = ReferenceNoise(0.0, 0.0)
-
-
-class Estimate(NamedTuple):
-    """A value, and its standard error (0 where the value was given, not estimated)."""
-
-    value: float
-    error: float
 
 
 @dataclass(frozen=True)
