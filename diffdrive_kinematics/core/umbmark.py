@@ -72,6 +72,9 @@ class Umbmark:
         Of the square [m].
     clockwise, counterclockwise : ReturnError
         Centres of gravity.
+    clockwise_after, counterclockwise_after : ReturnError
+        The same of the same wheel motion, read with the corrected geometry by its exact
+        kinematics: what the first order leaves.  New runs add their own scatter.
     alpha, beta : Estimate
         Errors of a turn and along a side [rad]; see :mod:`.square_errors`.
     separation_ratio, diameter_ratio : Estimate
@@ -79,8 +82,7 @@ class Umbmark:
     error_before : float
         E_max,syst: distance [m] of the farther centre of gravity.
     error_after : float
-        The same of the same wheel motion, read with the corrected geometry by its exact
-        kinematics: what the first order leaves.  New runs add their own scatter.
+        The same of the centres after the correction.
     degrees_of_freedom : int
         Of the scatter that the errors come from: the number of runs less 2.
 
@@ -89,6 +91,8 @@ class Umbmark:
     side: float
     clockwise: ReturnError
     counterclockwise: ReturnError
+    clockwise_after: ReturnError
+    counterclockwise_after: ReturnError
     alpha: Estimate
     beta: Estimate
     separation_ratio: Estimate
@@ -136,12 +140,12 @@ def umbmark(
     centre_cw, centre_ccw = (
         ReturnError(*runs.mean(axis=0).tolist()) for runs in (runs_cw, runs_ccw))
     after = _corrected(geometry, e_b.value, e_d.value)
+    left = [_remainder(course, geometry, after, centre)
+            for course, centre in zip(courses, (centre_cw, centre_ccw))]
     return Umbmark(
-        side, centre_cw, centre_ccw, angles.alpha, angles.beta, e_b, e_d,
+        side, centre_cw, centre_ccw, *left, angles.alpha, angles.beta, e_b, e_d,
         error_before=max(centre_cw.distance, centre_ccw.distance),
-        error_after=max(
-            _remainder(course, geometry, after, centre).distance
-            for course, centre in zip(courses, (centre_cw, centre_ccw))),
+        error_after=max(each.distance for each in left),
         degrees_of_freedom=len(runs_cw) + len(runs_ccw) - 2)
 
 
