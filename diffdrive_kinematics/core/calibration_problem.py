@@ -1,0 +1,202 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""
+The least squares problem of a calibration: its parameters, its steps, and what it identifies.
+
+Some parameters are shared by all segments (wheels, frame, a delay), others belong to one (its
+clock), so each segment adds its part to the normal equations of Gauss and Newton.
+"""
+
+from dataclasses import dataclass
+from typing import List, NamedTuple, Optional, Sequence, Tuple
+
+from diffdrive_kinematics.core.geometry import WheelGeometry
+from diffdrive_kinematics.core.recording import Segment
+from diffdrive_kinematics.core.trajectory_windows import (
+    Linearised, linearised, Systematic, WindowSet)
+from diffdrive_kinematics.core.window_weights import (
+    distance, score_covariance, Variances, window_covariance)
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = [
+    'FRAME', 'WHEELS', 'Column', 'Problem', 'distances_of', 'newton_step', 'refuse_unidentified',
+    'sandwich', 'taken_by_fit']
+
+Array = NDArray[np.float64]
+Gain = Tuple[List[int], Array, Array]
+
+WHEELS = ('left_wheel_radius_multiplier', 'right_wheel_radius_multiplier',
+          'wheel_separation_multiplier')
+FRAME = ('frame_x', 'frame_y', 'frame_yaw')
+FIELDS = Systematic._fields
+STEP = np.array([0.05, 0.05, 0.1, 0.1, 0.1, 0.3, 0.1, 2e-3])
+"""Longest step of each field of Systematic in one iteration."""
+LARGEST_ERROR = np.array([0.1, 0.1, 0.1, 0.5, 0.5, 0.2, 0.5, 0.1])
+"""Standard error from which a field counts as not identified; frame x and y: in separations."""
+FINEST = Variances(1e-8, 1e-8, 1e-8)
+"""Least slip and noise (0.1 mm, 0.1 mrad) with which identifiability is judged."""
+
+
+class Column(NamedTuple):
+    """A parameter: its name, its field of Systematic, and its segment (None: all of them)."""
+
+    name: str
+    field: int
+    segment: Optional[int]
+
+
+@dataclass(frozen=True)
+class Problem:
+    """What is fitted to what."""
+
+    geometry: WheelGeometry
+    segments: Tuple[Segment, ...]
+    windows: Tuple[WindowSet, ...]
+    columns: Tuple[Column, ...]
+    start: Systematic
+    trust: float
+
+    def systematics(self, values: Array) -> List[Systematic]:
+        """Return the systematic errors of each segment."""
+        found = []
+        for number in range(len(self.segments)):
+            mine = {FIELDS[each.field]: float(value) for each, value in zip(self.columns, values)
+                    if each.segment in (None, number)}
+            found.append(self.start._replace(**mine))
+        return found
+
+    def parts(self, values: Array) -> List[Linearised]:
+        """Return the linearised windows of each segment."""
+        return [linearised(self.geometry, segment, windows, systematic)
+                for segment, windows, systematic in zip(
+                    self.segments, self.windows, self.systematics(values))]
+
+    def initial(self) -> Array:
+        """Return the values to start from."""
+        return np.array([self.start[each.field] for each in self.columns])
+
+    def mine(self, segment: int) -> Tuple[List[int], List[int]]:
+        """Return the columns that act on a segment, and their fields."""
+        found = [(n, each.field) for n, each in enumerate(self.columns)
+                 if each.segment in (None, segment)]
+        return [n for n, _ in found], [field for _, field in found]
+
+
+def distances_of(parts: Sequence[Linearised], variances: Variances) -> Array:
+    return np.concatenate([
+        distance(part.error, window_covariance(part, variances)) for part in parts])
+
+
+def _split(problem: Problem, weights: Array) -> List[Array]:
+    """Return the weights of each segment."""
+    ends = np.cumsum([len(each.start) for each in problem.windows])
+    return np.split(weights, ends[:-1])
+
+
+def _gains(
+        problem: Problem, parts: Sequence[Linearised], weights: Array, variances: Variances
+) -> List[Gain]:
+    """Return for each segment its columns, J, and the weighted ``J^T P^-1``."""
+    found = []
+    for number, (part, weight) in enumerate(zip(parts, _split(problem, weights))):
+        columns, fields = problem.mine(number)
+        jacobian = part.jacobian[:, :, fields]
+        solved = np.linalg.solve(window_covariance(part, variances), jacobian)
+        found.append((columns, jacobian, weight[:, None, None] * solved.transpose(0, 2, 1)))
+    return found
+
+
+def _information(
+        problem: Problem, gains: Sequence[Gain]) -> Array:
+    """Return H, shape (p, p)."""
+    total = np.zeros((len(problem.columns), len(problem.columns)))
+    for columns, jacobian, gain in gains:
+        total[np.ix_(columns, columns)] += np.einsum('wpi,wiq->pq', gain, jacobian)
+    return total
+
+
+def newton_step(
+        problem: Problem, parts: Sequence[Linearised], weights: Array, variances: Variances
+) -> Tuple[Array, Array]:
+    """Return the step of Gauss and Newton, shortened where it is long, and ``H^-1``."""
+    gains = _gains(problem, parts, weights, variances)
+    pull = np.zeros(len(problem.columns))
+    for (columns, _, gain), part in zip(gains, parts):
+        pull[columns] += np.einsum('wpi,wi->p', gain, part.error)
+    inverse = _inverse(_information(problem, gains))
+    step = -inverse @ pull
+    longest = np.max(np.abs(step) / STEP[[each.field for each in problem.columns]])
+    return step / max(longest, 1.0), inverse
+
+
+def _inverse(information: Array) -> Array:
+    """Return the inverse of a positive definite matrix whose units differ."""
+    size = np.sqrt(np.maximum(np.diag(information), 1e-300))
+    scaled = information / np.outer(size, size)
+    found: Array = np.linalg.pinv(scaled, rcond=1e-14, hermitian=True) / np.outer(size, size)
+    return found
+
+
+def refuse_unidentified(
+        problem: Problem, parts: Sequence[Linearised], weights: Array, variances: Variances
+) -> None:
+    """
+    Raise where the standard error of a parameter is as large as the parameter may be.
+
+    The prior of that size keeps the matrix regular; where it alone tells the standard error, the
+    data say nothing.
+    """
+    usual = Variances(*(max(pair) for pair in zip(variances, FINEST)))
+    limit = LARGEST_ERROR[[each.field for each in problem.columns]].copy()
+    scale = np.array([problem.geometry.separation if each.name in FRAME[:2] else 1.0
+                      for each in problem.columns])
+    limit *= scale
+    information = _information(problem, _gains(problem, parts, weights, usual))
+    scaled = information * np.outer(limit, limit) + 1e-4 * np.eye(len(limit))
+    errors = limit * np.sqrt(np.diag(np.linalg.inv(scaled)))
+    lost = [n for n, error in enumerate(errors) if error > limit[n]]
+    if lost:
+        said = ', '.join(f'{problem.columns[n].name} (standard error over {limit[n]:.2g})'
+                         for n in lost)
+        raise ValueError(
+            f'the data do not identify {said}, expected drives with straights and curves both '
+            f'ways, or these values given')
+
+
+def taken_by_fit(problem: Problem, parts: Sequence[Linearised], covariance: Array) -> Array:
+    """Return ``J C J^T`` of each window, shape (w, 3, 3)."""
+    found = []
+    for number, part in enumerate(parts):
+        columns, fields = problem.mine(number)
+        jacobian = part.jacobian[:, :, fields]
+        found.append(jacobian @ covariance[np.ix_(columns, columns)]
+                     @ jacobian.transpose(0, 2, 1))
+    return np.concatenate(found)
+
+
+def sandwich(
+        problem: Problem, parts: Sequence[Linearised], weights: Array, variances: Variances
+) -> Array:
+    """Return the sandwich ``H^-1 S H^-1``."""
+    gains = _gains(problem, parts, weights, variances)
+    score = np.zeros((len(problem.columns), len(problem.columns)))
+    for number, (columns, _, gain) in enumerate(gains):
+        score[np.ix_(columns, columns)] += score_covariance(
+            parts[number], problem.windows[number], gain, variances,
+            len(problem.segments[number].reference))
+    inverse = _inverse(_information(problem, gains))
+    found: Array = inverse @ score @ inverse
+    return found
