@@ -19,13 +19,13 @@ Some parameters are shared by all segments (wheels, frame, a delay), others belo
 clock), so each segment adds its part to the normal equations of Gauss and Newton.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import List, NamedTuple, Optional, Sequence, Tuple
 
 from diffdrive_kinematics.core.geometry import WheelGeometry
 from diffdrive_kinematics.core.recording import Segment
 from diffdrive_kinematics.core.trajectory_windows import (
-    Linearised, linearised, Systematic, WindowSet)
+    Linearised, linearised, odometry_at, Systematic, WindowSet)
 from diffdrive_kinematics.core.window_weights import (
     distance, score_covariance, Variances, window_covariance)
 import numpy as np
@@ -44,7 +44,7 @@ FRAME = ('frame_x', 'frame_y', 'frame_yaw')
 FIELDS = Systematic._fields
 STEP = np.array([0.05, 0.05, 0.1, 0.1, 0.1, 0.3, 0.1, 2e-3])
 """Longest step of each field of Systematic in one iteration."""
-LARGEST_ERROR = np.array([0.1, 0.1, 0.1, 0.5, 0.5, 0.2, 0.5, 0.1])
+LARGEST_ERROR = np.array([0.1, 0.1, 0.1, 0.05, 0.05, 0.2, 0.5, 0.1])
 """Standard error from which a field counts as not identified; frame x and y: in separations."""
 FINEST = Variances(1e-8, 1e-8, 1e-8)
 """Least slip and noise (0.1 mm, 0.1 mrad) with which identifiability is judged."""
@@ -87,6 +87,17 @@ class Problem:
     def initial(self) -> Array:
         """Return the values to start from."""
         return np.array([self.start[each.field] for each in self.columns])
+
+    def as_the_wheels_tell(self) -> 'Problem':
+        """
+        Return the problem with odometry as its reference.
+
+        It tells what the course identifies; the noise of a real reference looks like motion.
+        """
+        segments = tuple(
+            replace(each, reference=odometry_at(self.geometry, each, self.start))
+            for each in self.segments)
+        return replace(self, segments=segments, start=Systematic())
 
     def mine(self, segment: int) -> Tuple[List[int], List[int]]:
         """Return the columns that act on a segment, and their fields."""
@@ -151,14 +162,16 @@ def _inverse(information: Array) -> Array:
 
 
 def refuse_unidentified(
-        problem: Problem, parts: Sequence[Linearised], weights: Array, variances: Variances
-) -> None:
+        problem: Problem, parts: Sequence[Linearised], variances: Variances,
+        weights: Optional[Array] = None) -> None:
     """
     Raise where the standard error of a parameter is as large as the parameter may be.
 
     The prior of that size keeps the matrix regular; where it alone tells the standard error, the
     data say nothing.
     """
+    if weights is None:
+        weights = np.ones(sum(len(each.start) for each in problem.windows))
     usual = Variances(*(max(pair) for pair in zip(variances, FINEST)))
     limit = LARGEST_ERROR[[each.field for each in problem.columns]].copy()
     scale = np.array([problem.geometry.separation if each.name in FRAME[:2] else 1.0

@@ -55,6 +55,8 @@ NO_FRAME = Pose(0.0, 0.0, 0.0)
 ROUNDS, SETTLED = 100, 1e-2
 COARSE, ALTERNATING = 5, 40
 """Rounds up to which the variances are only scaled, and from which they and weights are held."""
+NEGLIGIBLE = 1e-3
+"""Change of the sum of squared distances that no estimate feels."""
 
 
 class Clock(enum.Enum):
@@ -216,7 +218,9 @@ def fit_trajectory(
     if wheels:
         bare = replace(problem, columns=tuple(
             each for each in problem.columns if each.field >= len(WHEELS)))
-        before = _residual(_steps(bare, state.weights, state.variances).parts, state.weights)
+        values = bare.initial()
+        begin = _State(values, bare.parts(values), state.weights, state.variances)
+        before = _residual(_steps(bare, begin).parts, state.weights)
     return _result(problem, state, before, inner)
 
 
@@ -263,45 +267,63 @@ def _solved(problem: Problem) -> _State:
     """Alternate between parameters, variances and weights until nothing changes."""
     values, variances = problem.initial(), START_VARIANCES
     parts = problem.parts(values)
-    for number in range(ROUNDS):
+    course = problem.as_the_wheels_tell()
+    refuse_unidentified(course, course.parts(values), variances)
+    for number in range(ALTERNATING):
         distances = distances_of(parts, variances)
+        weights = window_weights(distances, problem.trust)
         if number < COARSE:
             scale = max(float(np.median(distances)) / MEDIAN, 1e-6)
             weights = window_weights(distances / scale, problem.trust)
             variances = Variances(*(scale**2 * each for each in variances))
-            if not number:
-                refuse_unidentified(problem, parts, weights, variances)
-        elif number < ALTERNATING:
-            weights = window_weights(distances, problem.trust)
+        else:
             spread = sandwich(problem, parts, weights, variances)
             variances = updated_variances(
-                parts, distances, taken_by_fit(problem, parts, spread), variances, 4)
+                parts, distances, taken_by_fit(problem, parts, spread), variances, 6)
         step, covariance = newton_step(problem, parts, weights, variances)
-        values = values + (step if number < ALTERNATING else 0.5 * step)
+        values = values + step
         parts = problem.parts(values)
         if number > COARSE + 3 and _small(step, covariance):
-            refuse_unidentified(problem, parts, weights, variances)
-            return _State(values, parts, weights, variances)
-    raise ValueError(
-        f'the fit did not settle in {ROUNDS} rounds, expected a geometry and clocks that are '
-        f'nearer to the truth')
+            break
+    state = _steps(problem, _State(values, parts, weights, variances))
+    refuse_unidentified(problem, state.parts, variances, weights)
+    return state
 
 
 def _small(step: Array, covariance: Array) -> bool:
     return bool((np.abs(step) <= SETTLED * np.sqrt(np.diag(covariance))).all())
 
 
-def _steps(problem: Problem, weights: Array, variances: Variances) -> _State:
-    """Fit with the weights and the variances given."""
-    values = problem.initial()
-    parts = problem.parts(values)
+def _steps(problem: Problem, state: _State) -> _State:
+    """
+    Fit with the weights and variances given, by steps that lower the cost.
+
+    Held wheel rates make the cost bend at each stamp, where full steps may go to and fro.
+    """
+    values, parts, weights, variances = state
+    cost = _cost(parts, weights, variances)
     for _ in range(ROUNDS if problem.columns else 0):
         step, covariance = newton_step(problem, parts, weights, variances)
-        values = values + step
-        parts = problem.parts(values)
         if _small(step, covariance):
-            break
-    return _State(values, parts, weights, variances)
+            return _State(values, parts, weights, variances)
+        for part in (1.0, 0.5, 0.25, 0.1, 0.02):
+            trial = problem.parts(values + part * step)
+            reached = _cost(trial, weights, variances)
+            if reached < cost:
+                break
+        if reached > cost - NEGLIGIBLE:
+            return _State(values, parts, weights, variances)
+        values, parts, cost = values + part * step, trial, reached
+    if not problem.columns:
+        return state
+    raise ValueError(
+        f'the fit did not settle in {ROUNDS} steps, expected a geometry and clocks that are '
+        f'nearer to the truth')
+
+
+def _cost(parts: Sequence[Linearised], weights: Array, variances: Variances) -> float:
+    """Return the weighted sum of squared distances."""
+    return float(weights @ distances_of(parts, variances)**2)
 
 
 def _residual(parts: Sequence[Linearised], weights: Array) -> Residual:

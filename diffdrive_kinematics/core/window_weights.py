@@ -42,7 +42,7 @@ Array = NDArray[np.float64]
 
 CREDIBLE, REJECTED = 4.0, 12.0
 """Distances up to which a window tells variances, and from which it counts nothing at all."""
-SHARE = 0.3
+SHARE = 0.1
 """Share of the errors of short windows that is noise of the reference at least."""
 MEDIAN = 1.5382
 """Median of the distance of a Gaussian error of three components: sqrt of 2.366."""

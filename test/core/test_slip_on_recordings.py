@@ -18,8 +18,7 @@ from diffdrive_kinematics.core.slip_fit import fit_slip, nees_per_dof
 import numpy as np
 import pytest
 from recorded import RUNS
-from systematic import (
-    calibrated, CLOCK, encoder_recording, fitted, NOMINAL, transferred, windows_of)
+from systematic import calibrated, encoder_recording, NOMINAL, transferred, windows_of
 
 SHORT, LONG, EVERY = 2.0, 10.0, 2.0  # [s], of the windows for the fit
 FITTED, PREDICTED = (0, 1, 3, 4), (2, 5)  # two of three runs each way round, and the third
@@ -86,5 +85,5 @@ def test_the_errors_of_the_other_runs_are_as_large_as_predicted(recordings, trai
 def test_without_the_calibration_systematic_errors_show_as_too_much_slip(
         recordings, training, seconds):
     runs = [recordings[n] for n in PREDICTED]
-    nominal = fitted(runs, [NOMINAL] * len(runs), (), CLOCK)
+    nominal = transferred(runs, NOMINAL, session_frame=False)
     assert prediction(runs, nominal, seconds, training[1]) > 3.0

@@ -21,7 +21,7 @@ from diffdrive_kinematics.core.recording import segment_from_positions
 import numpy as np
 
 GEOMETRY = WheelGeometry(0.2, 0.04)
-WHEEL_PERIOD, REFERENCE_PERIOD = 0.02, 0.05
+WHEEL_PERIOD, REFERENCE_PERIOD = 0.04, 0.1
 
 
 class Truth(NamedTuple):
@@ -66,7 +66,7 @@ def poses_of(travel, separation):
     return np.stack([x, y, theta], axis=1)
 
 
-def drive(seed, truth=Truth(), disturbance=Disturbance(), seconds=80.0, twists=curved_twists):
+def drive(seed, truth=Truth(), disturbance=Disturbance(), seconds=100.0, twists=curved_twists):
     """Return the segment of a simulated drive."""
     generator = np.random.default_rng(seed)
     time = np.arange(0.0, seconds, WHEEL_PERIOD)

@@ -24,7 +24,9 @@ from typing import NamedTuple
 from diffdrive_kinematics.core.angles import wrap_angle
 from diffdrive_kinematics.core.arc import Pose
 from diffdrive_kinematics.core.geometry import WheelGeometry
+from diffdrive_kinematics.core.recording import segment_from_positions
 from diffdrive_kinematics.core.slip_fit import slip_window
+from diffdrive_kinematics.core.trajectory_fit import Clock, fit_trajectory
 import numpy as np
 from recorded import RADIUS, SEPARATION, TICKS_PER_TURN
 
@@ -183,10 +185,21 @@ NOMINAL = Systematic(1.0, 1.0, SEPARATION)
 
 def calibrated(recordings):
     """Return the systematic errors of one session: wheels and frame shared, a clock each."""
-    return fitted(recordings, [NOMINAL] * len(recordings), WHEELS + FRAME, CLOCK)
+    return _by_core(recordings, NOMINAL, wheels=True, frame=None)
 
 
 def transferred(recordings, wheels, session_frame=True):
     """Return the systematic errors of another session, with the wheels (and frame) of one."""
-    start = [wheels._replace(offset=0.0, rate=0.0)] * len(recordings)
-    return fitted(recordings, start, FRAME if session_frame else (), CLOCK)
+    frame = None if session_frame else Pose(wheels.x, wheels.y, wheels.yaw)
+    return _by_core(recordings, wheels, wheels=False, frame=frame)
+
+
+def _by_core(recordings, start, wheels, frame):
+    """Return what the trajectory fit of the package finds, one for each recording."""
+    geometry = WheelGeometry(start.separation, 1.0, 1.0, start.left, start.right)
+    segments = [segment_from_positions(*recording[1:]) for recording in recordings]
+    fit = fit_trajectory(geometry, segments, wheels=wheels, clock=Clock.DRIFTS, frame=frame)
+    corrected = fit.corrected(geometry)
+    return [Systematic(corrected.left_radius, corrected.right_radius, corrected.separation,
+                       *fit.frame, offset.value, drift.value)
+            for offset, drift in zip(fit.offsets, fit.drifts)]

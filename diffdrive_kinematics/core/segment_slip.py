@@ -1,0 +1,149 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""
+Slip of calibrated drives: from a calibration and its segments to slip constants with errors.
+
+Windows that start often overlap, which makes the best use of the data but leaves the standard
+errors of :func:`.fit_slip` too small; here they come from leaving out a group at a time
+(Tukey's jackknife, Efron & Stein 1981, Ann. Stat. 9(3)), a group being a segment, or a part of
+one where there are few.  The calibration itself is taken as exact: calibrate other drives than
+those whose slip is wanted where the systematic errors are not known far better than the slip.
+"""
+
+from dataclasses import replace
+import math
+from typing import List, Sequence, Tuple
+
+from diffdrive_kinematics.core.arc import Pose
+from diffdrive_kinematics.core.geometry import WheelGeometry
+from diffdrive_kinematics.core.recording import Segment
+from diffdrive_kinematics.core.slip_fit import (
+    Estimate, fit_slip, slip_window, SlipFit, SlipWindow)
+from diffdrive_kinematics.core.trajectory_fit import TrajectoryFit
+from diffdrive_kinematics.core.trajectory_windows import Systematic, windows_between
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ['fit_segment_slip', 'segment_windows']
+
+Array = NDArray[np.float64]
+
+FEWEST_GROUPS = 5
+
+
+def segment_windows(
+        geometry: WheelGeometry, segment: Segment, systematic: Systematic, length: float,
+        every: float, tolerance: float = 0.1) -> List[SlipWindow]:
+    """
+    Return the slip windows of one length [s] of a segment, calibrated, in order.
+
+    Parameters
+    ----------
+    geometry : WheelGeometry
+        That from which the calibration started.
+    segment : Segment
+        The drive.
+    systematic : Systematic
+        What is systematic about it.
+    length, every, tolerance : float
+        As of the windows of a calibration [s]; they do not overlap if ``every`` is above
+        ``length``.
+
+    """
+    chosen = windows_between(segment, (length,), every, tolerance)
+    calibrated = replace(
+        geometry,
+        wheel_separation_multiplier=geometry.wheel_separation_multiplier * systematic.separation)
+    middle = 0.5 * (segment.time[0] + segment.time[-1])
+    stamps = (segment.reference_time - systematic.offset
+              - systematic.drift * (segment.reference_time - middle))
+    radii = np.array([geometry.left_radius * systematic.left,
+                      geometry.right_radius * systematic.right])
+    poses = _centre(segment.reference, systematic)
+    found = []
+    for start, end in zip(chosen.start, chosen.end):
+        travel = radii * np.diff(_angles(segment, stamps[start], stamps[end]), axis=0)
+        if travel.any():
+            found.append(slip_window(
+                calibrated, travel, Pose(*poses[start]), Pose(*poses[end])))
+    return found
+
+
+def fit_segment_slip(
+        geometry: WheelGeometry, segments: Sequence[Segment], fit: TrajectoryFit, *,
+        lengths: Tuple[float, ...] = (2.0, 10.0), every: float = 1.0, equal: bool = True
+) -> SlipFit:
+    """
+    Return the slip constants of calibrated segments, errors by leaving out groups of windows.
+
+    Parameters
+    ----------
+    geometry, segments, fit :
+        What :func:`.fit_trajectory` was given, and what it returned.
+    lengths, every :
+        Lengths of the windows, and how far apart they start [s].
+    equal : bool
+        Fit one k for both wheels instead of one each.
+
+    Raises
+    ------
+    ValueError
+        As :func:`.fit_slip`; if the segments are not those of the fit.
+
+    """
+    if len(segments) != len(fit.offsets):
+        raise ValueError(
+            f'there are {len(segments)} segments, expected {len(fit.offsets)} as in the fit')
+    groups: List[List[SlipWindow]] = []
+    parts = -(-FEWEST_GROUPS // len(segments))
+    for number, segment in enumerate(segments):
+        mine: List[List[SlipWindow]] = [[] for _ in range(parts)]
+        for length in lengths:
+            windows = segment_windows(
+                geometry, segment, fit.systematic(number), length, every)
+            for n, window in enumerate(windows):
+                mine[n * parts // len(windows)].append(window)
+        groups += mine
+    whole = fit_slip([window for group in groups for window in group], equal=equal)
+    others = [fit_slip([window for n, group in enumerate(groups) if n != left_out
+                        for window in group], equal=equal) for left_out in range(len(groups))]
+    return replace(
+        whole, k_left=_jackknifed([each.k_left for each in (whole, *others)]),
+        k_right=_jackknifed([each.k_right for each in (whole, *others)]),
+        sigma_position=_jackknifed([each.sigma_position for each in (whole, *others)]),
+        sigma_heading=_jackknifed([each.sigma_heading for each in (whole, *others)]))
+
+
+def _jackknifed(estimates: List[Estimate]) -> Estimate:
+    """Return the first estimate with the error that the others, each without a group, tell."""
+    without = [each.value for each in estimates[1:]]
+    error = math.sqrt(len(without) - 1.0) * float(np.std(without))
+    return Estimate(estimates[0].value, error)
+
+
+def _centre(reference: Array, systematic: Systematic) -> Array:
+    """Return the poses of the robot's centre, shape (m, 3)."""
+    theta = reference[:, 2] - systematic.yaw
+    cosine, sine = np.cos(theta), np.sin(theta)
+    return np.stack([reference[:, 0] - cosine * systematic.x + sine * systematic.y,
+                     reference[:, 1] - sine * systematic.x - cosine * systematic.y, theta], axis=1)
+
+
+def _angles(segment: Segment, start: float, end: float) -> Array:
+    """Return the wheel angles at two stamps and all between, interpolated at the two."""
+    inside = segment.angles[(segment.time > start) & (segment.time < end)]
+    first, last = (np.array([np.interp(stamp, segment.time, wheel) for wheel in segment.angles.T])
+                   for stamp in (start, end))
+    return np.vstack([first, inside, last])

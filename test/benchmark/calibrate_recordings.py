@@ -1,0 +1,195 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+
+"""
+Calibration of real robots: fitted to one recording, applied to others.
+
+Run by hand: ``python test/benchmark/calibrate_recordings.py DIRECTORY``.  The directory holds, at
+any depth, the files that the docstring of fit_slip.py names.  What is printed is explained in
+docs/calibration_on_real_robots.md.  It takes about a minute.
+"""
+
+import math
+from pathlib import Path
+import sys
+
+import numpy as np
+
+TEST = Path(__file__).resolve().parents[1]
+sys.path[:0] = [str(TEST.parent), str(TEST / 'support')]
+
+from diffdrive_kinematics.core.geometry import WheelGeometry  # noqa: E402, I100
+from diffdrive_kinematics.core.recording import (  # noqa: E402
+    segment_from_commands, segment_from_ticks)
+from diffdrive_kinematics.core.segment_slip import fit_segment_slip  # noqa: E402
+from diffdrive_kinematics.core.trajectory_fit import (  # noqa: E402
+    Clock, fit_trajectory, NO_FRAME, Windows)
+from diffdrive_kinematics.core.trajectory_windows import (  # noqa: E402
+    linearised, odometry_at, Systematic, windows_between)
+from recorded import RADIUS, SEPARATION, TICKS_PER_TURN  # noqa: E402
+
+SESSIONS = {'1.7 m squares': 'square_231220200029', '0.75 m squares': 'square_230620202042',
+            'circles': 'circular_231220200121', 'free paths': 'free_030120210006'}
+ENCODERS = WheelGeometry(SEPARATION, RADIUS)
+CREATE = WheelGeometry(0.258, 0.033)
+COMMANDED = Windows((5.0, 10.0), every=1.0, trust=1.0)
+SIDE = 1.7
+
+
+def columns(path, *names):
+    """Return columns of a file, shape (n, names)."""
+    rows = np.genfromtxt(path, delimiter=',', names=True)
+    return np.stack([rows[name] for name in names], axis=1)
+
+
+def encoder_segment(path):
+    """Return the segment of a file with encoder ticks and poses in each row."""
+    time = columns(path, 'time_sec')[:, 0]
+    return segment_from_ticks(time, columns(path, 'left_ticks', 'right_ticks'), time,
+                              columns(path, 'x', 'y', 'yaw'), ticks_per_turn=TICKS_PER_TURN)
+
+
+def predicted_end(geometry, frame, segment):
+    """Return where odometry from the first reference pose ends, and where the centre is then."""
+    theta = segment.reference[[0, -1], 2] - frame.theta
+    lever = np.stack([np.cos(theta) * frame.x - np.sin(theta) * frame.y,
+                      np.sin(theta) * frame.x + np.cos(theta) * frame.y], axis=1)
+    start, end = segment.reference[[0, -1], :2] - lever
+    x, y, _ = odometry_at(geometry, segment, Systematic())[-1]
+    c, s = math.cos(theta[0]), math.sin(theta[0])
+    return start + [c * x - s * y, s * x + c * y], end
+
+
+def end_error(geometry, frame, segments):
+    """Return the mean end-point error [mm]."""
+    return 1e3 * np.mean([math.dist(*predicted_end(geometry, frame, each)) for each in segments])
+
+
+def umbmark(segments):
+    """Return the geometry that UMBmark gives for runs of a square (Borenstein & Feng 1996)."""
+    ways = {-1.0: [], 1.0: []}
+    for segment in segments:
+        theta = segment.reference[0, 2]
+        there, end = predicted_end(ENCODERS, NO_FRAME, segment)
+        c, s = math.cos(theta), math.sin(theta)
+        error = np.array([[c, s], [-s, c]]) @ (end - there)
+        ways[float(np.sign(segment.reference[-1, 2]))].append(error)
+    (x_cw, y_cw), (x_ccw, y_ccw) = (np.mean(ways[way], axis=0) for way in (-1.0, 1.0))
+    alpha = 0.5 * ((x_cw + x_ccw) + (y_cw - y_ccw)) / (-4.0 * SIDE)
+    beta = 0.5 * ((x_cw - x_ccw) + (y_cw + y_ccw)) / (-4.0 * SIDE)
+    wide = 0.5 * math.pi / (0.5 * math.pi - alpha)
+    separation, radius = wide * SEPARATION, 0.5 * SIDE / math.sin(0.5 * beta)
+    ratio = (radius + 0.5 * separation) / (radius - 0.5 * separation)
+    return WheelGeometry(SEPARATION, RADIUS, wide, 2.0 / (ratio + 1.0), 2.0 / (1.0 / ratio + 1.0))
+
+
+def described(fit):
+    """Return the wheels and the frame in words."""
+    scales = (('left_wheel_radius_multiplier', 1.0), ('right_wheel_radius_multiplier', 1.0),
+              ('wheel_separation_multiplier', 1.0), ('frame_x', 1e3), ('frame_y', 1e3),
+              ('frame_yaw', 1e3))
+    return ', '.join(f'{scale * getattr(fit, name).value:.5g} +- '
+                     f'{scale * getattr(fit, name).error:.2g}' for name, scale in scales)
+
+
+def encoders(directory):
+    """Print end-point errors of each session, by what was fitted to what."""
+    found = {name: [encoder_segment(path) for path in sorted(directory.rglob(f'{prefix}_run*'))]
+             for name, prefix in SESSIONS.items()}
+    names = list(found)
+    print('OptiOdom, mean end-point error [mm] on:', ', '.join(names))
+
+    def row(what, geometry, frame=NO_FRAME):
+        print(f'  {what:42s}', ' '.join(
+            f'{end_error(geometry, frame, each):7.1f}' for each in found.values()))
+
+    row('nominal', ENCODERS)
+    try:
+        row('UMBmark on 1.7 m squares', umbmark(found[names[0]]))
+    except ValueError as error:
+        print('  UMBmark:', error)
+    for name, segments in found.items():
+        for clock in (Clock.OFFSETS, Clock.DRIFTS):
+            try:
+                fit = fit_trajectory(ENCODERS, segments, clock=clock)
+            except ValueError as error:
+                print(f'  fitted to {name}, {clock.name}: {error}')
+                continue
+            row(f'fitted to {name}, {clock.name}', fit.corrected(ENCODERS), fit.frame)
+            row('  the same wheels, no frame', fit.corrected(ENCODERS))
+            row('  nominal wheels, the same frame', ENCODERS, fit.frame)
+            print('    ', described(fit))
+            print(f'     before {fit.before}, after {fit.after}; {fit.windows} windows, '
+                  f'{fit.in_gaps} in gaps, {fit.outliers} outliers')
+            if name == names[0]:
+                print('     left out one by one:', jackknifed(segments, clock))
+                slip = fit_segment_slip(ENCODERS, segments, fit)
+                print(f'     slip k {slip.k_left.value:.2e} +- {slip.k_left.error:.1e} m')
+
+
+def jackknifed(segments, clock):
+    """Return standard errors of the wheels and the frame by leaving runs out, in words."""
+    parts = [fit_trajectory(ENCODERS, segments[:n] + segments[n + 1:], clock=clock)
+             for n in range(len(segments))]
+    values = [[part.left_wheel_radius_multiplier.value, part.right_wheel_radius_multiplier.value,
+               part.wheel_separation_multiplier.value, *(1e3 * np.array(part.frame))]
+              for part in parts]
+    return ', '.join(f'{each:.2g}' for each in math.sqrt(len(parts) - 1.0) * np.std(values, 0))
+
+
+def window_errors(segment, systematic):
+    """Return median errors over 10 s: distance [mm] and yaw [mrad]."""
+    error = linearised(CREATE, segment, windows_between(segment, (10.0,), 2.5, 0.1),
+                       systematic).error
+    return 1e3 * np.array([np.median(np.hypot(error[:, 0], error[:, 1])),
+                           np.median(np.abs(error[:, 2]))])
+
+
+def commands(directory):
+    """Print errors of the second half of each robot, calibrated on its first."""
+    print('UTIAS MRCLAM: position [mm], yaw [mrad] over 10 s: nominal; with delay; fitted')
+    ratios = []
+    for path in sorted(directory.rglob('mrclam7_robot*_commands.csv*')):
+        truth = path.with_name(path.name.replace('commands', 'truth'))
+        time, *rest = columns(path, 'time_sec', 'linear_x', 'angular_z').T
+        seen, *pose = columns(truth, 'time_sec', 'x', 'y', 'yaw').T
+        whole = segment_from_commands(
+            time, np.stack(rest, axis=1), seen, np.stack(pose, axis=1), geometry=CREATE)
+        middle = 0.5 * (whole.time[0] + whole.time[-1])
+        first, second = whole.between(-math.inf, middle), whole.between(middle, math.inf)
+        fit = fit_trajectory(CREATE, [first], clock=Clock.DELAY, windows=COMMANDED)
+        delay = fit.offsets[0]
+        cells = [window_errors(second, each) for each in (
+            Systematic(), Systematic(offset=delay.value), fit.systematic(0))]
+        ratios.append([*(cells[2] / cells[0]), *(cells[2] / cells[1])])
+        print(f'  {path.name[8:14]} duplicates {whole.duplicates}, delay {delay.value:.3f} +- '
+              f'{delay.error:.3f};', '; '.join(f'{p:.1f} {y:.1f}' for p, y in cells),
+              f'; ratios {ratios[-1][0]:.3f} {ratios[-1][1]:.3f};', described(fit))
+    if ratios:
+        print('  medians of the ratios to nominal, to nominal with delay:',
+              np.median(ratios, axis=0).round(3))
+
+
+def main():
+    """Print everything."""
+    if len(sys.argv) != 2:
+        sys.exit('usage: python test/benchmark/calibrate_recordings.py DIRECTORY')
+    directory = Path(sys.argv[1])
+    encoders(directory)
+    commands(directory)
+
+
+if __name__ == '__main__':
+    main()
