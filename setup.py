@@ -74,6 +74,7 @@ setup(
     zip_safe=False,
     entry_points={
         'console_scripts': [
+            'calibrate = diffdrive_kinematics.executables:calibrate',
             'command_sequence = diffdrive_kinematics.executables:command_sequence',
             'diff_drive_controller = diffdrive_kinematics.executables:diff_drive_controller',
             'diffdrive_sim = diffdrive_kinematics.executables:diffdrive_sim',

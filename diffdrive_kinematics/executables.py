@@ -24,14 +24,19 @@ import signal
 import sys
 
 __all__ = [
-    'command_sequence', 'diff_drive_controller', 'diffdrive_sim', 'forward_projection',
-    'plot_paths', 'simulated_base', 'wheel_noise']
+    'calibrate', 'command_sequence', 'diff_drive_controller', 'diffdrive_sim',
+    'forward_projection', 'plot_paths', 'simulated_base', 'wheel_noise']
 
 
 def _start(name: str) -> None:
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, lambda *_: sys.exit(0))
     import_module(f'diffdrive_kinematics.nodes.{name}').main()
+
+
+def calibrate() -> None:
+    """Run ``calibrate``."""
+    _start('calibrate')
 
 
 def command_sequence() -> None:

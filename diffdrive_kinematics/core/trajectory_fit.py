@@ -47,7 +47,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 __all__ = [
-    'NO_FRAME', 'Clock', 'Residual', 'TrajectoryFit', 'Windows', 'fit_trajectory']
+    'COMMANDED', 'NO_FRAME', 'Clock', 'Residual', 'TrajectoryFit', 'Windows', 'fit_trajectory']
 
 Array = NDArray[np.float64]
 
@@ -106,6 +106,11 @@ class Windows:
         check_positive('every', self.every)
         check_positive('tolerance', self.tolerance)
         check_positive('trust', self.trust)
+
+
+COMMANDED = Windows((5.0, 10.0), every=1.0, trust=1.0)
+"""For drives of which only the commands are known: a robot that does not follow one for a while
+makes heavy tails."""
 
 
 class Residual(NamedTuple):
@@ -181,7 +186,7 @@ class TrajectoryFit:
 
 def fit_trajectory(
         geometry: WheelGeometry, segments: Sequence[Segment], *, wheels: bool = True,
-        clock: Clock = Clock.OFFSETS, frame: Optional[Pose] = None,
+        mean_radius: bool = True, clock: Clock = Clock.OFFSETS, frame: Optional[Pose] = None,
         windows: Windows = Windows()) -> TrajectoryFit:
     """
     Return the systematic errors that explain the reference best, with standard errors.
@@ -197,6 +202,10 @@ def fit_trajectory(
         Drives of one robot with one mounting of the reference.
     wheels : bool
         Fit the wheels, instead of taking the geometry as it is.
+    mean_radius : bool
+        False: divide the factors of the wheels by the mean of those of the radii, so that yaw
+        stays as fitted and distance as given.  How much of a commanded distance a robot covers
+        changes with what it does, and is no property of its wheels.
     clock : Clock
         What is fitted of the time.
     frame : Pose, optional
@@ -213,6 +222,10 @@ def fit_trajectory(
     """
     problem = _problem(geometry, segments, wheels, clock, frame, windows)
     state = _solved(problem)
+    covariance = sandwich(problem, state.parts, state.weights, state.variances)
+    if wheels and not mean_radius:
+        state, change = _with_mean_radius_kept(problem, state)
+        covariance = change @ covariance @ change.T
     inner = _residual(state.parts, state.weights)
     before = inner
     if wheels:
@@ -221,7 +234,7 @@ def fit_trajectory(
         values = bare.initial()
         begin = _State(values, bare.parts(values), state.weights, state.variances)
         before = _residual(_steps(bare, begin).parts, state.weights)
-    return _result(problem, state, before, inner)
+    return _result(problem, state, covariance, before, inner)
 
 
 class _State(NamedTuple):
@@ -332,9 +345,19 @@ def _residual(parts: Sequence[Linearised], weights: Array) -> Residual:
     return Residual(math.sqrt(mean[0] + mean[1]), math.sqrt(mean[2]))
 
 
+def _with_mean_radius_kept(problem: Problem, state: _State) -> Tuple[_State, Array]:
+    """Return the state with the wheels divided by their mean radius, and its derivative."""
+    wheels = state.values[:3]
+    mean = 0.5 * (wheels[0] + wheels[1])
+    change = np.eye(len(state.values))
+    change[:3, :3] = np.eye(3) / mean - np.outer(wheels, [0.5, 0.5, 0.0]) / mean**2
+    values = np.concatenate([wheels / mean, state.values[3:]])
+    return state._replace(values=values, parts=problem.parts(values)), change
+
+
 def _result(
-        problem: Problem, state: _State, before: Residual, after: Residual) -> TrajectoryFit:
-    covariance = sandwich(problem, state.parts, state.weights, state.variances)
+        problem: Problem, state: _State, covariance: Array, before: Residual, after: Residual
+) -> TrajectoryFit:
     errors = np.sqrt(np.diag(covariance))
     systematics = problem.systematics(state.values)
 

@@ -140,12 +140,13 @@ def umbmark(
     centre_cw, centre_ccw = (
         ReturnError(*runs.mean(axis=0).tolist()) for runs in (runs_cw, runs_ccw))
     after = _corrected(geometry, e_b.value, e_d.value)
-    left = [_remainder(course, geometry, after, centre)
-            for course, centre in zip(courses, (centre_cw, centre_ccw))]
+    left_cw, left_ccw = (
+        _remainder(course, geometry, after, centre)
+        for course, centre in zip(courses, (centre_cw, centre_ccw)))
     return Umbmark(
-        side, centre_cw, centre_ccw, *left, angles.alpha, angles.beta, e_b, e_d,
+        side, centre_cw, centre_ccw, left_cw, left_ccw, angles.alpha, angles.beta, e_b, e_d,
         error_before=max(centre_cw.distance, centre_ccw.distance),
-        error_after=max(each.distance for each in left),
+        error_after=max(left_cw.distance, left_ccw.distance),
         degrees_of_freedom=len(runs_cw) + len(runs_ccw) - 2)
 
 

@@ -91,8 +91,9 @@ def updated_variances(
 
     Distances tell the credible windows, which alone count.  ``taken``, shape (w, 3, 3), is the
     covariance ``J C J^T`` that the fit of the parameters takes out of the errors; without it
-    the variances would come out too small (as without the n - 1 of a sample).  The noise keeps a share of the
-    errors: P that is nearly singular, all slip, would trust a few directions without bound.
+    the variances would come out too small (as without the n - 1 of a sample).  The noise keeps a
+    share of the errors: P that is nearly singular, all slip, would trust a few directions without
+    bound.
     """
     weights = np.clip(0.5 * (CREDIBLE + 2.0 - distances), 0.0, 1.0)
     error = np.concatenate([part.error for part in parts])

@@ -16,10 +16,12 @@
 
 from dataclasses import dataclass
 from importlib import import_module
-from typing import Any, Dict, Mapping, Sequence, Set
+from typing import Any, Dict, List, Mapping, Sequence, Set
 
 from diffdrive_kinematics.core.playback import (
     Course, course_from_commands, course_from_recording)
+from diffdrive_kinematics.core.sequence import Command
+from diffdrive_kinematics.core.square_course import square_course
 from diffdrive_kinematics.nodes.clocks import period_ns
 from diffdrive_kinematics.nodes.messages import TwistMessage
 from diffdrive_kinematics.nodes.node import DiffDriveNode
@@ -43,18 +45,30 @@ class Config:
 
 def build(values: Mapping[str, Any]) -> Config:
     """Return the configuration of parameter values, or raise ``ValueError``."""
-    numbers, recording = values['commands'], values['recording']
-    if bool(numbers) == bool(recording):
+    sources = {name: values[name] for name in ('commands', 'recording', 'square_side')}
+    if sum(map(bool, sources.values())) != 1:
         raise ValueError(
-            f'commands is {list(numbers)!r} and recording is {recording!r}, expected one of them '
-            'to be set')
-    if recording:
-        try:
-            return Config(
-                course_from_recording(read_columns(recording, COMMAND_COLUMNS)), values)
-        except ValueError as error:
-            raise ValueError(f'recording is {recording!r}: {error}') from error
-    return Config(course_from_commands(commands_from(numbers)), values)
+            f"{', '.join(f'{name} is {value!r}' for name, value in sources.items())}, expected "
+            'one of them to be set')
+    if not values['recording']:
+        commands = (commands_from(values['commands']) if values['commands']
+                    else _square(values))
+        return Config(course_from_commands(commands), values)
+    try:
+        return Config(
+            course_from_recording(read_columns(values['recording'], COMMAND_COLUMNS)), values)
+    except ValueError as error:
+        raise ValueError(f"recording is {values['recording']!r}: {error}") from error
+
+
+def _square(values: Mapping[str, Any]) -> List[Command]:
+    """Return the square of UMBmark; ``ValueError`` names the parameter."""
+    try:
+        return square_course(**{
+            name: values[f'square_{name}'] for name in (
+                'side', 'speed', 'yaw_rate', 'clockwise', 'corner_radius', 'pause')})
+    except ValueError as error:
+        raise ValueError(f'square_{error}') from error
 
 
 class CommandSequence(DiffDriveNode[Config]):

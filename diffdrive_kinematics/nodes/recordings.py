@@ -14,13 +14,14 @@
 
 """Recordings in CSV files, plain or gzipped."""
 
+from contextlib import contextmanager
 import csv
 import gzip
 from pathlib import Path
-from typing import List, Sequence, Tuple
+from typing import Iterator, List, Sequence, Tuple
 import zlib
 
-__all__ = ['COMMAND_COLUMNS', 'read_columns']
+__all__ = ['COMMAND_COLUMNS', 'read_columns', 'read_header']
 
 COMMAND_COLUMNS = ('time_sec', 'linear_x', 'angular_z')
 
@@ -36,16 +37,27 @@ def read_columns(path: str, columns: Sequence[str]) -> List[Tuple[float, ...]]:
         names the file, and the row (counted from 1 without the header).
 
     """
+    with _reader(path) as reader:
+        missing = [name for name in columns if name not in (reader.fieldnames or ())]
+        if missing:
+            raise ValueError(
+                f'{path} has the columns {reader.fieldnames!r}, expected also {missing!r}')
+        return [_numbers(path, number, row, columns)
+                for number, row in enumerate(reader, start=1)]
+
+
+def read_header(path: str) -> Tuple[str, ...]:
+    """Return the names of the columns of a CSV file; ``ValueError`` if it cannot be read."""
+    with _reader(path) as reader:
+        return tuple(reader.fieldnames or ())
+
+
+@contextmanager
+def _reader(path: str) -> 'Iterator[csv.DictReader[str]]':
     open_text = gzip.open if Path(path).suffix == '.gz' else open
     try:
         with open_text(path, 'rt', encoding='utf-8-sig', newline='') as file:
-            reader = csv.DictReader(file)
-            missing = [name for name in columns if name not in (reader.fieldnames or ())]
-            if missing:
-                raise ValueError(
-                    f'{path} has the columns {reader.fieldnames!r}, expected also {missing!r}')
-            return [_numbers(path, number, row, columns)
-                    for number, row in enumerate(reader, start=1)]
+            yield csv.DictReader(file)
     except (OSError, EOFError, UnicodeDecodeError, csv.Error, zlib.error) as error:
         raise ValueError(f'{path} cannot be read as CSV: {error}') from error
 

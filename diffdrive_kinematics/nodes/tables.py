@@ -35,10 +35,10 @@ from rclpy.exceptions import InvalidTopicNameException
 from rclpy.validate_topic_name import validate_topic_name
 
 __all__ = [
-    'COMMAND_SEQUENCE', 'DIFFDRIVE_SIM', 'DIFF_DRIVE_CONTROLLER', 'Entry', 'FORWARD_PROJECTION',
-    'KNOWN_NAMES', 'Kind', 'PLOT_PATHS', 'SIMULATED_BASE', 'TABLES', 'WHEEL_NOISE', 'axis_limits',
-    'check_sides', 'check_wiring', 'commands_from', 'only_in_ros2_controllers', 'wheel_geometry',
-    'wheel_radii', 'wheel_slips']
+    'CALIBRATE', 'COMMAND_SEQUENCE', 'DIFFDRIVE_SIM', 'DIFF_DRIVE_CONTROLLER', 'Entry',
+    'FORWARD_PROJECTION', 'KNOWN_NAMES', 'Kind', 'PLOT_PATHS', 'SIMULATED_BASE', 'TABLES',
+    'WHEEL_NOISE', 'axis_limits', 'check_sides', 'check_wiring', 'commands_from',
+    'only_in_ros2_controllers', 'wheel_geometry', 'wheel_radii', 'wheel_slips']
 
 Check = Callable[[str, Any], Any]
 Values = Mapping[str, Any]
@@ -107,6 +107,18 @@ def _check_horizon(name: str, value: float) -> None:
 def _check_picture(name: str, value: str) -> None:
     if not value.endswith(('.png', '.svg')):
         raise ValueError(f'{name} is {value!r}, expected the name of a .png or .svg file')
+
+
+def _check_optional_picture(name: str, value: str) -> None:
+    if value:
+        _check_picture(name, value)
+
+
+def _check_one_of(*known: str) -> Check:
+    def check(name: str, value: str) -> None:
+        if value not in known:
+            raise ValueError(f"{name} is {value!r}, expected one of {', '.join(map(repr, known))}")
+    return check
 
 
 def _check_pose(name: str, value: Tuple[float, ...]) -> None:
@@ -304,6 +316,12 @@ SIMULATED_BASE = (
     Entry('twist_covariance_diagonal', [0.0] * 6, 'variances of the twist to publish instead of '
           'those of the slip; zeros: do not', Kind.DOUBLES, _check_diagonal))
 
+_SQUARE = (
+    Entry('square_side', 0.0, 'side [m] of the square of UMBmark; 0: none',
+          check=check_non_negative, read_only=True),
+    Entry('square_corner_radius', 0.0, 'radius [m] of its corners; 0: turns on the spot',
+          check=check_non_negative, read_only=True))
+
 COMMAND_SEQUENCE = (
     _topic('cmd_vel_topic', 'cmd_vel', 'velocity commands out'),
     Entry('enable_stamped_cmd_vel', False, 'publish TwistStamped instead of Twist', Kind.BOOL,
@@ -313,6 +331,14 @@ COMMAND_SEQUENCE = (
           'another in one flat list', Kind.DOUBLES, read_only=True),
     _string('recording', '', 'CSV file (or .csv.gz) time_sec,linear_x,angular_z to play instead '
             'of commands'),
+    *_SQUARE,
+    Entry('square_speed', 0.2, 'speed [m/s] along the sides', check=check_positive,
+          read_only=True),
+    Entry('square_yaw_rate', 0.5, 'yaw rate [rad/s] at the corners', check=check_positive,
+          read_only=True),
+    Entry('square_clockwise', False, 'drive the square clockwise', Kind.BOOL, read_only=True),
+    Entry('square_pause', 0.5, 'rest [s] between sides and corners, in which ramps end',
+          check=check_duration, read_only=True),
     Entry('loop', False, 'start again at the end, until stopped', Kind.BOOL, read_only=True),
     Entry('publish_rate', 50.0, 'rate [Hz] at which a held command is repeated',
           check=check_rate, read_only=True),
@@ -349,6 +375,40 @@ PLOT_PATHS = (
     *_BIAS, *_SLIP, _DISTRIBUTION,
     _string('output', 'paths.png', 'file to write, .png or .svg', _check_picture))
 
+CALIBRATE = (
+    *_GEOMETRY, *_JOINTS,
+    _string('square_runs', '', 'CSV file clockwise,true_x,true_y,odom_x,odom_y with a row for '
+            'each run around a square'),
+    *_SQUARE,
+    Entry('recordings', [], 'CSV files of motion: time_sec with linear_x,angular_z or '
+          'left_rate,right_rate or left_position,right_position or left_ticks,right_ticks',
+          Kind.STRINGS, read_only=True),
+    Entry('references', [], 'CSV files time_sec,x,y,yaw, one for each of recordings; none: the '
+          'recordings have these columns', Kind.STRINGS, read_only=True),
+    Entry('encoder_resolution', 0.0, 'ticks of one turn of a wheel, for files with ticks',
+          check=check_non_negative, read_only=True),
+    Entry('tick_increments', False, 'ticks are those since the row before, not all so far',
+          Kind.BOOL, read_only=True),
+    _topic('motion_topic', 'joint_states', 'wheel motion in, without files'),
+    Entry('position_feedback', True, 'false: ignore positions in wheel motion', Kind.BOOL,
+          read_only=True),
+    _topic('reference_topic', 'ground_truth', 'reference poses in, without files'),
+    _string('reference_type', 'odometry', 'of the reference topic: odometry (Odometry) or pose '
+            '(PoseStamped)', _check_one_of('odometry', 'pose')),
+    _string('clock', '', 'what is fitted of the time between wheels and reference: none, delay '
+            '(one for all), offsets or drifts (of each drive); empty: delay for commands, '
+            'offsets for other files, none for topics',
+            _check_one_of('', 'none', 'delay', 'offsets', 'drifts')),
+    _string('mean_radius', '', 'fit: the mean radius of the wheels too; keep: leave it as it is; '
+            'empty: keep for commands, of which a robot covers more or less, else fit',
+            _check_one_of('', 'fit', 'keep')),
+    Entry('equal_slip', True, 'fit one slip constant for both wheels', Kind.BOOL,
+          read_only=True),
+    _string('output', 'calibration.yaml', 'params file to write', _check_named),
+    _string('picture', '', 'picture of errors before and after to write, .png or .svg; empty: '
+            'none', _check_optional_picture),
+    Entry('overwrite', False, 'replace files that exist', Kind.BOOL, read_only=True))
+
 DIFFDRIVE_SIM = (
     Entry('nodes', [], "what to compose: 'class' or 'class:name'", Kind.STRINGS, read_only=True),
     Entry('clock_step', 0.0, 'step [s] of a simulated clock that is published on /clock; 0: real '
@@ -359,7 +419,7 @@ DIFFDRIVE_SIM = (
 TABLES = {
     'diff_drive_controller': DIFF_DRIVE_CONTROLLER, 'wheel_noise': WHEEL_NOISE,
     'simulated_base': SIMULATED_BASE, 'command_sequence': COMMAND_SEQUENCE,
-    'forward_projection': FORWARD_PROJECTION, 'plot_paths': PLOT_PATHS,
+    'forward_projection': FORWARD_PROJECTION, 'plot_paths': PLOT_PATHS, 'calibrate': CALIBRATE,
     'diffdrive_sim': DIFFDRIVE_SIM}
 KNOWN_NAMES = frozenset(entry.name for table in TABLES.values() for entry in table)
 

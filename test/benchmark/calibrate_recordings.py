@@ -35,16 +35,16 @@ from diffdrive_kinematics.core.recording import (  # noqa: E402
     segment_from_commands, segment_from_ticks)
 from diffdrive_kinematics.core.segment_slip import fit_segment_slip  # noqa: E402
 from diffdrive_kinematics.core.trajectory_fit import (  # noqa: E402
-    Clock, fit_trajectory, NO_FRAME, Windows)
+    Clock, COMMANDED, fit_trajectory, NO_FRAME)
 from diffdrive_kinematics.core.trajectory_windows import (  # noqa: E402
     linearised, odometry_at, Systematic, windows_between)
+from diffdrive_kinematics.core.umbmark import corrected, ReturnError, umbmark  # noqa: E402
 from recorded import RADIUS, SEPARATION, TICKS_PER_TURN  # noqa: E402
 
 SESSIONS = {'1.7 m squares': 'square_231220200029', '0.75 m squares': 'square_230620202042',
             'circles': 'circular_231220200121', 'free paths': 'free_030120210006'}
 ENCODERS = WheelGeometry(SEPARATION, RADIUS)
 CREATE = WheelGeometry(0.258, 0.033)
-COMMANDED = Windows((5.0, 10.0), every=1.0, trust=1.0)
 SIDE = 1.7
 
 
@@ -77,22 +77,16 @@ def end_error(geometry, frame, segments):
     return 1e3 * np.mean([math.dist(*predicted_end(geometry, frame, each)) for each in segments])
 
 
-def umbmark(segments):
-    """Return the geometry that UMBmark gives for runs of a square (Borenstein & Feng 1996)."""
+def umbmark_of(segments):
+    """Return the geometry that UMBmark gives for runs of a square."""
     ways = {-1.0: [], 1.0: []}
     for segment in segments:
         theta = segment.reference[0, 2]
         there, end = predicted_end(ENCODERS, NO_FRAME, segment)
         c, s = math.cos(theta), math.sin(theta)
         error = np.array([[c, s], [-s, c]]) @ (end - there)
-        ways[float(np.sign(segment.reference[-1, 2]))].append(error)
-    (x_cw, y_cw), (x_ccw, y_ccw) = (np.mean(ways[way], axis=0) for way in (-1.0, 1.0))
-    alpha = 0.5 * ((x_cw + x_ccw) + (y_cw - y_ccw)) / (-4.0 * SIDE)
-    beta = 0.5 * ((x_cw - x_ccw) + (y_cw + y_ccw)) / (-4.0 * SIDE)
-    wide = 0.5 * math.pi / (0.5 * math.pi - alpha)
-    separation, radius = wide * SEPARATION, 0.5 * SIDE / math.sin(0.5 * beta)
-    ratio = (radius + 0.5 * separation) / (radius - 0.5 * separation)
-    return WheelGeometry(SEPARATION, RADIUS, wide, 2.0 / (ratio + 1.0), 2.0 / (1.0 / ratio + 1.0))
+        ways[float(np.sign(segment.reference[-1, 2]))].append(ReturnError(*error.tolist()))
+    return corrected(ENCODERS, umbmark(ENCODERS, SIDE, ways[-1.0], ways[1.0]))
 
 
 def described(fit):
@@ -117,7 +111,7 @@ def encoders(directory):
 
     row('nominal', ENCODERS)
     try:
-        row('UMBmark on 1.7 m squares', umbmark(found[names[0]]))
+        row('UMBmark on 1.7 m squares', umbmark_of(found[names[0]]))
     except ValueError as error:
         print('  UMBmark:', error)
     for name, segments in found.items():
@@ -159,7 +153,8 @@ def window_errors(segment, systematic):
 
 def commands(directory):
     """Print errors of the second half of each robot, calibrated on its first."""
-    print('UTIAS MRCLAM: position [mm], yaw [mrad] over 10 s: nominal; with delay; fitted')
+    print('UTIAS MRCLAM: position [mm], yaw [mrad] over 10 s: nominal; with delay; fitted; '
+          'mean radius too')
     ratios = []
     for path in sorted(directory.rglob('mrclam7_robot*_commands.csv*')):
         truth = path.with_name(path.name.replace('commands', 'truth'))
@@ -169,16 +164,18 @@ def commands(directory):
             time, np.stack(rest, axis=1), seen, np.stack(pose, axis=1), geometry=CREATE)
         middle = 0.5 * (whole.time[0] + whole.time[-1])
         first, second = whole.between(-math.inf, middle), whole.between(middle, math.inf)
-        fit = fit_trajectory(CREATE, [first], clock=Clock.DELAY, windows=COMMANDED)
+        fit, free = (fit_trajectory(
+            CREATE, [first], clock=Clock.DELAY, windows=COMMANDED, mean_radius=mean_radius)
+            for mean_radius in (False, True))
         delay = fit.offsets[0]
         cells = [window_errors(second, each) for each in (
-            Systematic(), Systematic(offset=delay.value), fit.systematic(0))]
-        ratios.append([*(cells[2] / cells[0]), *(cells[2] / cells[1])])
+            Systematic(), Systematic(offset=delay.value), fit.systematic(0), free.systematic(0))]
+        ratios.append([*(cells[2] / cells[0]), *(cells[2] / cells[1]), *(cells[3] / cells[0])])
         print(f'  {path.name[8:14]} duplicates {whole.duplicates}, delay {delay.value:.3f} +- '
               f'{delay.error:.3f};', '; '.join(f'{p:.1f} {y:.1f}' for p, y in cells),
-              f'; ratios {ratios[-1][0]:.3f} {ratios[-1][1]:.3f};', described(fit))
+              f'; ratios {np.round(ratios[-1], 3)};', described(fit))
     if ratios:
-        print('  medians of the ratios to nominal, to nominal with delay:',
+        print('  medians of the ratios to nominal, to nominal with delay, mean radius too:',
               np.median(ratios, axis=0).round(3))
 
 

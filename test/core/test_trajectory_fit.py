@@ -114,6 +114,21 @@ def test_the_factors_multiply_those_of_the_geometry_that_the_fit_started_from():
     assert other.left_radius == pytest.approx(whole.left_radius, rel=1e-4)
 
 
+def test_with_the_mean_radius_kept_yaw_is_that_of_the_fit_and_distance_as_given():
+    segment = drive(5)
+    free = fit_trajectory(GEOMETRY, [segment])
+    kept = fit_trajectory(GEOMETRY, [segment], mean_radius=False)
+    wheels, held = np.array(found(free)[:3]), np.array(found(kept)[:3])
+    mean = 0.5 * (wheels[0, 0] + wheels[1, 0])
+    np.testing.assert_allclose(held[:, 0], wheels[:, 0] / mean, rtol=1e-12)
+    assert 0.5 * (held[0, 0] + held[1, 0]) == pytest.approx(1.0, abs=1e-15)
+    draws = np.random.default_rng(0).multivariate_normal(
+        wheels[:, 0], free.covariance[:3, :3], 100_000)
+    scattered = np.std(draws / np.mean(draws[:, :2], axis=1, keepdims=True), axis=0)
+    np.testing.assert_allclose(held[:, 1], scattered, rtol=0.02)
+    assert free.after.position < kept.after.position <= kept.before.position * 1.01
+
+
 def test_segments_have_clocks_of_their_own_or_share_a_delay():
     segments = [drive(n, Truth(offset=offset)) for n, offset in enumerate((0.1, -0.15))]
     own = fit_trajectory(GEOMETRY, segments)

@@ -127,3 +127,35 @@ def test_the_course_closes_through_controller_and_base_at_two_joints_a_side(grap
         lambda: [message for message in odometry if stamp_ns(message) > done], 'odometry')[0]
     assert final.pose.pose.position.x == pytest.approx(0.0, abs=1e-9)
     assert final.pose.pose.position.y == pytest.approx(0.0, abs=1e-9)
+
+
+@pytest.mark.parametrize('clockwise, radius', [(True, 0.0), (False, 0.03)])
+def test_the_square_of_umbmark_closes_either_way_round(graph, clockwise, radius):
+    graph.start('diff_drive_controller', {
+        **KHEPERA, 'enable_stamped_cmd_vel': True, 'stamp_tolerance': 5.0, 'cmd_vel_timeout': 5.0})
+    graph.start('simulated_base', {**KHEPERA, 'enable_odom_tf': False})
+    odometry = graph.collect(Odometry, 'odom')
+    graph.wait_for(lambda: odometry, 'odometry')
+    sequence = graph.start('command_sequence', {
+        'square_side': 0.1, 'square_speed': 0.5, 'square_yaw_rate': 8.0, 'square_pause': 0.1,
+        'square_clockwise': clockwise, 'square_corner_radius': radius,
+        'enable_stamped_cmd_vel': True, 'wait_for_topics': ['odom']})
+    graph.wait_for(lambda: not sequence.running, 'the end')
+    assert sequence.wait() == 0, sequence.output
+    done = graph.now_ns()
+    final = graph.wait_for(
+        lambda: [message for message in odometry if stamp_ns(message) > done], 'odometry')[0]
+    assert final.pose.pose.position.x == pytest.approx(0.0, abs=1e-9)
+    assert final.pose.pose.position.y == pytest.approx(0.0, abs=1e-9)
+    assert abs(final.pose.pose.orientation.w) == pytest.approx(1.0, abs=1e-12)
+    side = -1.0 if clockwise else 1.0
+    reached = max(side * message.pose.pose.position.y for message in odometry)
+    assert reached == pytest.approx(0.1, abs=0.01)
+    assert min(side * message.pose.pose.position.y for message in odometry) > -0.01
+
+
+def test_two_courses_at_once_are_refused(graph):
+    sequence = graph.start('command_sequence', {
+        'square_side': 1.0, 'commands': [0.1, 0.0, 1.0]})
+    assert sequence.wait() == 2
+    assert 'square_side is 1.0' in sequence.output

@@ -1,0 +1,189 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""``calibrate``: a robot's systematic errors and slip, from files or live topics, into a YAML."""
+
+from dataclasses import dataclass
+import sys
+from typing import Any, Mapping
+
+from diffdrive_kinematics.core.geometry import WheelGeometry
+from diffdrive_kinematics.nodes.calibration import Calibration, of_segments, of_squares, table
+from diffdrive_kinematics.nodes.calibration_file import check_writable, params_text, write
+from diffdrive_kinematics.nodes.calibration_sources import (
+    Collection, motion_of, read_segments, read_square_runs)
+from diffdrive_kinematics.nodes.messages import WheelReader
+from diffdrive_kinematics.nodes.node import DiffDriveNode
+from diffdrive_kinematics.nodes.parameters import ConfigurationError
+from diffdrive_kinematics.nodes.running import finish, make_executor, run, spin, Stop
+from diffdrive_kinematics.nodes.tables import CALIBRATE, check_sides, wheel_geometry
+from geometry_msgs.msg import PoseStamped
+from nav_msgs.msg import Odometry
+from sensor_msgs.msg import JointState
+from std_srvs.srv import Trigger
+
+PROGRESS_RATE, FAREWELL_RATE = 0.5, 2.0
+MISSING = (
+    "picture needs matplotlib, which is missing: pip install 'diffdrive_kinematics[plot]' or "
+    'apt install python3-matplotlib')
+
+
+@dataclass(frozen=True)
+class Config:
+    """What to calibrate, and from what."""
+
+    geometry: WheelGeometry
+    values: Mapping[str, Any]
+
+
+def build(values: Mapping[str, Any]) -> Config:
+    """Return the configuration of parameter values, or raise ``ValueError``."""
+    check_sides(values)
+    squares, recordings = values['square_runs'], values['recordings']
+    if squares and recordings:
+        raise ValueError(
+            f'square_runs is {squares!r} and recordings is {list(recordings)!r}, expected one of '
+            'them, or none for live topics')
+    if squares and not values['square_side']:
+        raise ValueError('square_side is 0.0, expected the side [m] of the square of square_runs')
+    for name in filter(None, (values['output'], values['picture'])):
+        check_writable(name, overwrite=values['overwrite'])
+    return Config(wheel_geometry(values), values)
+
+
+class Calibrate(DiffDriveNode[Config]):
+    """Collects wheel motion and reference poses until it is told to finish."""
+
+    def __init__(self, name: str = 'calibrate', **composition: Any) -> None:
+        super().__init__(name, CALIBRATE, build, **composition)
+        self.collection = Collection()
+
+    def listen(self) -> None:
+        """Begin to collect."""
+        values = self.config.values
+        self._reader = WheelReader(
+            values['left_wheel_names'], values['right_wheel_names'],
+            positions=values['position_feedback'])
+        self.subscribe(JointState, values['motion_topic'], self._on_wheels)
+        odometry = values['reference_type'] == 'odometry'
+        self.subscribe(
+            Odometry if odometry else PoseStamped, values['reference_topic'],
+            self._on_odometry if odometry else self._on_pose)
+        self.create_service(Trigger, '~/finish', self._on_finish)
+        self.every(PROGRESS_RATE, self._report)
+        self.get_logger().info(
+            f"collecting '{values['motion_topic']}' and '{values['reference_topic']}' until "
+            f'{self.get_fully_qualified_name()}/finish is called')
+
+    def _on_wheels(self, message: JointState) -> None:
+        sample = self._reader.read(message, self.now_ns)
+        if sample is not None:
+            self.collection.add_wheels(sample)
+
+    def _on_odometry(self, message: Odometry) -> None:
+        self.collection.add_reference(message.header.stamp, message.pose.pose)
+
+    def _on_pose(self, message: PoseStamped) -> None:
+        self.collection.add_reference(message.header.stamp, message.pose)
+
+    def _report(self) -> None:
+        self.get_logger().info(self.collection.summary(self.config.geometry))
+
+    def _on_finish(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        values, geometry = self.config.values, self.config.geometry
+        try:
+            calibration = of_segments(
+                values, geometry, self.collection.segments(), clock=values['clock'] or 'none')
+            response.message = conclude(calibration, values)
+        except (ValueError, ConfigurationError) as error:
+            response.success, response.message = False, f'{error}; still collecting'
+            self.get_logger().error(f'cannot finish: {response.message}')
+            return response
+        response.success = True
+        self.every(FAREWELL_RATE, self._end)  # the answer has to get through first
+        return response
+
+    def _end(self) -> None:
+        self.done = True
+
+
+def from_files(config: Config) -> Calibration:
+    """Return the calibration from the files of the parameters; ``ValueError`` if there is none."""
+    values, geometry = config.values, config.geometry
+    if values['square_runs']:
+        runs = read_square_runs(values['square_runs'])
+        try:
+            return of_squares(values, geometry, *runs)
+        except ValueError as error:
+            raise ValueError(f"{values['square_runs']}: {error}") from error
+    segments = read_segments(values, geometry)
+    commands = any(motion_of(path) == 'commands' for path in values['recordings'])
+    return of_segments(
+        values, geometry, segments, commands=commands,
+        clock=values['clock'] or ('delay' if commands else 'offsets'))
+
+
+def conclude(calibration: Calibration, values: Mapping[str, Any]) -> str:
+    """Print the table, write the files, and return a line that names them."""
+    output, picture = values['output'], values['picture']
+    files = {output: params_text(calibration, output).encode()}
+    if picture:
+        files[picture] = _picture(calibration, picture)
+    print(table(calibration), flush=True)
+    written = f"wrote {', '.join(write(files, overwrite=values['overwrite']))}"
+    print(written, flush=True)
+    return written
+
+
+def _picture(calibration: Calibration, name: str) -> bytes:
+    from diffdrive_kinematics.nodes.calibration_drawing import picture_of
+    try:
+        return picture_of(calibration, name.rpartition('.')[2])
+    except ImportError as error:
+        raise ConfigurationError(f'{MISSING} ({error})') from error
+
+
+def work(stop: Stop) -> int:
+    """Calibrate; return the exit status."""
+    node = Calibrate()
+    try:
+        if node.config.values['square_runs'] or node.config.values['recordings']:
+            conclude(from_files(node.config), node.config.values)
+            return 0
+        return _collect(node, stop)
+    except ValueError as error:
+        raise ConfigurationError(str(error)) from error
+    finally:
+        node.destroy_node()
+
+
+def _collect(node: Calibrate, stop: Stop) -> int:
+    node.listen()
+    executor = make_executor([node])
+    try:
+        spin(executor, lambda: node.done, stop)
+    finally:
+        finish([node], executor)
+    if not node.done:
+        print('not finished: nothing is written', flush=True)
+    return 0
+
+
+def main() -> None:
+    """Run ``calibrate``."""
+    sys.exit(run(work))
+
+
+if __name__ == '__main__':
+    main()
