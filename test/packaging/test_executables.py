@@ -23,7 +23,7 @@ from ament_index_python import get_package_prefix
 import pytest
 
 PACKAGE_NAME = 'diffdrive_kinematics'
-EXECUTABLES = ('command_sequence', 'diff_drive_controller', 'diffdrive_sim',
+EXECUTABLES = ('calibrate', 'command_sequence', 'diff_drive_controller', 'diffdrive_sim',
                'forward_projection', 'plot_paths', 'simulated_base', 'wheel_noise')
 
 

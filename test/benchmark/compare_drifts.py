@@ -1,0 +1,167 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""
+Does a simulated robot with fitted bias and slip drift like the real one?
+
+Run by hand: ``python test/benchmark/compare_drifts.py DIRECTORY``.  The directory holds, at any
+depth, the files that the docstring of fit_slip.py names.  What is printed is explained in
+docs/calibration_on_real_robots.md.
+
+Drift is where the robot is after 10 s minus where nominal odometry says it is, in the frame of
+the start.  The real robot has one drift a window, the simulated one 200, from the same wheel
+motion, with the bias of ``wheel_noise``, the separation of the ground truth and the slip that
+``calibrate`` writes.
+"""
+
+import math
+from pathlib import Path
+import sys
+
+import numpy as np
+
+TEST = Path(__file__).resolve().parents[1]
+sys.path[:0] = [str(TEST.parent), str(TEST / 'support'), str(TEST / 'benchmark')]
+
+from calibrate_recordings import (  # noqa: E402, I100
+    columns, CREATE, encoder_segment, ENCODERS, SESSIONS)
+from diffdrive_kinematics.core.angles import wrap_angle  # noqa: E402
+from diffdrive_kinematics.core.recording import segment_from_commands  # noqa: E402
+from diffdrive_kinematics.core.segment_slip import fit_segment_slip  # noqa: E402
+from diffdrive_kinematics.core.trajectory_fit import (  # noqa: E402
+    Clock, COMMANDED, fit_trajectory)
+from diffdrive_kinematics.core.trajectory_windows import (  # noqa: E402
+    linearised, Systematic, windows_between)
+
+WINDOW_S, SEEDS = 10.0, 200
+AXES = ('along [mm]', 'across [mm]', 'yaw [mrad]')
+
+
+def real_drifts(geometry, segment, systematic):
+    """Return the drifts of disjoint windows, shape (w, 3), and the wheel travel of each."""
+    windows = windows_between(segment, (WINDOW_S,), WINDOW_S + 0.1, 0.1)
+    frame_only = Systematic()._replace(
+        x=systematic.x, y=systematic.y, yaw=systematic.yaw, offset=systematic.offset,
+        drift=systematic.drift)
+    error = linearised(geometry, segment, windows, frame_only).error
+    stamps = segment.reference_time - systematic.offset
+    travels = []
+    for start, end in zip(windows.start, windows.end):
+        inner = segment.time[(segment.time > stamps[start]) & (segment.time < stamps[end])]
+        times = np.concatenate([[stamps[start]], inner, [stamps[end]]])
+        angles = np.stack([np.interp(times, segment.time, column)
+                           for column in segment.angles.T], axis=1)
+        travels.append(np.diff(angles, axis=0) * geometry.wheel_radius)
+    return error, travels
+
+
+def ends(left, right, separation):
+    """Return relative poses after the intervals of each row, shape (..., 3)."""
+    turn, distance = (right - left) / separation, 0.5 * (left + right)
+    theta = np.cumsum(turn, axis=-1)
+    chord, way = distance * np.sinc(turn / (2.0 * np.pi)), theta - 0.5 * turn
+    return np.stack([np.sum(chord * np.cos(way), axis=-1), np.sum(chord * np.sin(way), axis=-1),
+                     theta[..., -1]], axis=-1)
+
+
+def simulated_drifts(geometry, travel, fit, slip, generator):
+    """Return the drifts of 200 simulated robots on the wheel travel of one window."""
+    moved = []
+    for column, factor, k in zip(
+            travel.T, (fit.left_wheel_radius_multiplier, fit.right_wheel_radius_multiplier),
+            (slip.k_left, slip.k_right)):
+        sigma = np.sqrt(k.value * np.abs(column))
+        moved.append(factor.value * column
+                     + sigma * generator.standard_normal((SEEDS, len(column))))
+    truth = ends(*moved, geometry.separation * fit.wheel_separation_multiplier.value)
+    drift = truth - ends(*travel.T, geometry.separation)
+    drift[:, 2] = wrap_angle(drift[:, 2])
+    return drift
+
+
+def kolmogorov_smirnov(first, second):
+    """Return the two-sample statistic and its p value, as of the size of the smaller sample."""
+    both = np.sort(np.concatenate([first, second]))
+    gap = np.max(np.abs(np.searchsorted(np.sort(first), both, side='right') / len(first)
+                        - np.searchsorted(np.sort(second), both, side='right') / len(second)))
+    number = min(len(first), len(second))
+    t = (math.sqrt(number) + 0.12 + 0.11 / math.sqrt(number)) * gap  # Stephens 1970
+    if t < 0.3:
+        return gap, 1.0
+    return gap, min(1.0, max(0.0, 2.0 * sum(
+        (-1)**(n - 1) * math.exp(-2.0 * (n * t)**2) for n in range(1, 60))))
+
+
+def compared(name, geometry, segments, fit, systematics, slip):
+    """Print real and simulated drifts of segments."""
+    generator = np.random.default_rng(1)
+    real, simulated = [], []
+    for segment, systematic in zip(segments, systematics):
+        drifts, travels = real_drifts(geometry, segment, systematic)
+        real.append(drifts)
+        simulated += [simulated_drifts(geometry, travel, fit, slip, generator)
+                      for travel in travels]
+    real, simulated = np.concatenate(real), np.concatenate(simulated)
+    scale = 1e3
+    for axis, label in enumerate(AXES):
+        gap, p = kolmogorov_smirnov(real[:, axis], simulated[:, axis])
+        print(f'| {name if not axis else ""} | {len(real) if not axis else ""} | {label} | '
+              + ' | '.join(f'{scale * np.mean(each[:, axis]):.1f} +- '
+                           f'{scale * np.std(each[:, axis]):.1f}' for each in (real, simulated))
+              + f' | {gap:.2f} | {p:.2g} |')
+
+
+def encoders(directory):
+    """Compare the robot with encoders: fitted to the 1.7 m squares, other sessions simulated."""
+    found = {name: [encoder_segment(path) for path in sorted(directory.rglob(f'{prefix}_run*'))]
+             for name, prefix in SESSIONS.items()}
+    training = next(iter(found.values()))
+    fit = fit_trajectory(ENCODERS, training)
+    slip = fit_segment_slip(ENCODERS, training, fit)
+    print(f'| slip k {slip.k_left.value:.2e} m |')
+    for name, segments in found.items():
+        own = fit if segments is training else fit_trajectory(
+            fit.corrected(ENCODERS), segments, wheels=False)
+        compared(name, ENCODERS, segments, fit,
+                 [own.systematic(n) for n in range(len(segments))], slip)
+
+
+def commands(directory):
+    """Compare the robots with commands: fitted to the first half, the second simulated."""
+    for path in sorted(directory.rglob('mrclam7_robot*_commands.csv*')):
+        truth = path.with_name(path.name.replace('commands', 'truth'))
+        time, *rest = columns(path, 'time_sec', 'linear_x', 'angular_z').T
+        seen, *pose = columns(truth, 'time_sec', 'x', 'y', 'yaw').T
+        whole = segment_from_commands(
+            time, np.stack(rest, axis=1), seen, np.stack(pose, axis=1), geometry=CREATE)
+        middle = 0.5 * (whole.time[0] + whole.time[-1])
+        first, second = whole.between(-math.inf, middle), whole.between(middle, math.inf)
+        fit = fit_trajectory(CREATE, [first], clock=Clock.DELAY, windows=COMMANDED,
+                             mean_radius=False)
+        slip = fit_segment_slip(CREATE, [first], fit)
+        print(f'| slip k {slip.k_left.value:.2e} m |')
+        compared(path.name[8:14], CREATE, [second], fit, [fit.systematic(0)], slip)
+
+
+def main():
+    """Print both tables."""
+    if len(sys.argv) != 2:
+        sys.exit('usage: python test/benchmark/compare_drifts.py DIRECTORY')
+    print('| what | windows | drift | real | simulated | D | p |\n|---|---|---|---|---|---|---|')
+    encoders(Path(sys.argv[1]))
+    commands(Path(sys.argv[1]))
+
+
+if __name__ == '__main__':
+    main()
