@@ -13,7 +13,7 @@
 # limitations under the License.
 
 """
-Does a simulated robot with fitted bias and slip drift like the real one?
+Compare the drift of robots simulated with fitted bias and slip with that of the real ones.
 
 Run by hand: ``python test/benchmark/compare_drifts.py DIRECTORY``.  The directory holds, at any
 depth, the files that the docstring of fit_slip.py names.  What is printed is explained in
