@@ -77,6 +77,8 @@ class Odometry:
         slip.
     covariance : PoseCovariance
         Of the pose at the anchor, in the fixed frame.
+    max_rate : float
+        Wheel rate [rad/s] above which an increment of positions is no motion; inf: none is.
 
     """
 
@@ -90,6 +92,7 @@ class Odometry:
     motion: Optional[WheelMotion] = None
     slip_variances: Pair = NO_SLIP
     covariance: PoseCovariance = NO_COVARIANCE
+    max_rate: float = math.inf
 
     @staticmethod
     def starting_at(
@@ -125,7 +128,9 @@ class Odometry:
         self._check_sane(sample.rates or (0.0, 0.0), 'velocity')
         if self.motion is None:
             return replace(self, motion=first_motion(sample)), Verdict.FIRST
-        result = receive(self.motion, sample, now_ns=now_ns, timeout_ns=self.timeout_ns)
+        result = receive(
+            self.motion, sample, now_ns=now_ns, timeout_ns=self.timeout_ns,
+            max_rate=self.max_rate)
         if result.verdict in (Verdict.REPEATED, Verdict.OUT_OF_ORDER):
             return replace(self, motion=result.motion), result.verdict
         self._check_sane(result.rolled, 'position')
@@ -157,6 +162,36 @@ class Odometry:
         return replace(
             self._rolled(angle), geometry=geometry, timeout_ns=timeout_ns, motion=motion,
             slip_variances=slip)
+
+    def placed_at(
+            self, pose: Pose, covariance: PoseCovariance, now_ns: int, *,
+            keep_angles: bool = True) -> 'Odometry':
+        """
+        Return the odometry of a base that was put at ``pose`` (scalars), where it stands.
+
+        It stands until the next sample.  Positions count on from where they are now: what the
+        wheels rolled before moves nothing.  Without ``keep_angles`` the wheel angles are 0.
+
+        Raises
+        ------
+        ValueError
+            If a coordinate is not finite.
+
+        """
+        for name, value in zip(('x', 'y', 'yaw'), pose):
+            check_finite(f'{name} of the pose', float(value))
+        angle, motion = (0.0, 0.0), self.motion
+        if motion is not None:
+            time_ns = max(now_ns, motion.anchor_ns) if motion.holds else motion.anchor_ns
+            angle = rolled(motion, time_ns, self.timeout_ns)
+            motion = replace(motion, anchor_ns=time_ns, rates=(0.0, 0.0), reference=(
+                motion.reference[0] + angle[0], motion.reference[1] + angle[1]))
+        none = RunningSum(0.0)
+        return replace(
+            self, x=RunningSum(float(pose.x)), y=RunningSum(float(pose.y)),
+            theta=RunningSum(float(pose.theta)), motion=motion, covariance=covariance,
+            left=self.left.plus(angle[0]) if keep_angles else none,
+            right=self.right.plus(angle[1]) if keep_angles else none)
 
     def clock_stepped(self, step_ns: int) -> 'Odometry':
         """Return the odometry as it reads after the clock itself was stepped."""

@@ -27,6 +27,8 @@ never on when a sample happened to arrive or how often somebody looked.
 * A sample without positions is the baseline, 0, from which the positions of its publisher
   count.  The first sample ever heard, and the first of another source (a publisher that was
   restarted, or a second one), is a baseline whatever it carries: up to it the rates are held.
+  So is one whose positions would need a wheel rate above ``max_rate``: encoders that started
+  again elsewhere.
 """
 
 from dataclasses import dataclass, replace
@@ -99,6 +101,7 @@ class Verdict(enum.Enum):
     FIRST = 'first'
     MOVED = 'moved'
     REPEATED = 'repeated'
+    JUMPED = 'jump'
     OUT_OF_ORDER = 'out of order'
     CLOCK_STEP = 'clock step'
 
@@ -158,12 +161,13 @@ def rates_at(motion: WheelMotion, time_ns: int, timeout_ns: Optional[int]) -> Pa
 
 def receive(
         motion: WheelMotion, sample: WheelSample, *, now_ns: int,
-        timeout_ns: Optional[int]) -> Received:
+        timeout_ns: Optional[int], max_rate: float = math.inf) -> Received:
     """
     Return what the wheels did up to ``sample``, and the motion that follows it.
 
     ``now_ns`` only serves to notice stamps from the future (a step of the clock).  A publisher
     whose clock is ahead for good makes one step, and its later stamps follow on each other.
+    ``max_rate`` [rad/s] is the mean rate since the message before above which positions jumped.
     """
     tolerance = step_tolerance(timeout_ns)
     stamp = sample.stamp_ns
@@ -178,6 +182,8 @@ def receive(
     same_source = sample.source == motion.source
     counts = same_source and sample.positions is not None
     travelled = _increment(motion, sample) if counts else held
+    if counts and _jumps(motion, travelled, stamp, max_rate):
+        return Received(first_motion(sample), held, Verdict.JUMPED)
     silent = timeout_ns is not None and stamp > motion.last_ns + timeout_ns
     if sample.rates == motion.rates and motion.holds and not silent and same_source and _same(
             held, travelled, motion, sample):
@@ -210,6 +216,16 @@ def _stepped(
 def _increment(motion: WheelMotion, sample: WheelSample) -> Pair:
     left, right = sample.positions or motion.reference
     return left - motion.reference[0], right - motion.reference[1]
+
+
+def _jumps(motion: WheelMotion, travelled: Pair, stamp: int, max_rate: float) -> bool:
+    """Tell whether positions went further since the message before than wheels can."""
+    if max_rate == math.inf:
+        return False
+    since = motion.last_ns if motion.last_ns < stamp else motion.anchor_ns
+    before = rolled(motion, since, None)
+    reach = max_rate * (stamp - since) / NANOSECONDS
+    return any(abs(a - b) > reach + math.ulp(a) for a, b in zip(travelled, before))
 
 
 def _same(held: Pair, travelled: Pair, motion: WheelMotion, sample: WheelSample) -> bool:

@@ -24,6 +24,7 @@ from diffdrive_kinematics.nodes.node import DiffDriveNode
 from diffdrive_kinematics.nodes.running import main_of
 from diffdrive_kinematics.nodes.tables import (
     axis_limits, check_sides, check_wiring, DIFF_DRIVE_CONTROLLER, wheel_geometry)
+from diffdrive_kinematics.nodes.wheel_joints import wheel_joints
 from geometry_msgs.msg import Twist as TwistMsg, TwistStamped
 from rclpy.publisher import Publisher
 from sensor_msgs.msg import JointState
@@ -61,9 +62,9 @@ class DiffDriveController(DiffDriveNode[Config]):
     def __init__(self, name: str = 'diff_drive_controller', **composition: Any) -> None:
         super().__init__(name, DIFF_DRIVE_CONTROLLER, build, **composition)
         values = self.config.values
-        names = values['left_wheel_names'], values['right_wheel_names']
-        self._wheels = WheelMessage(*names, source=self.source())
-        self._wheel_commands = WheelCommandMessage(*names)
+        joints = wheel_joints(values)
+        self._wheels = WheelMessage(joints, self.source())
+        self._wheel_commands = WheelCommandMessage(joints)
         self._twist = TwistMessage(values['base_frame_id'])
         self._drive = Drive(self.config.drive, self.now_ns())
         self._told_ns = -1

@@ -33,6 +33,7 @@ from diffdrive_kinematics.nodes.projection_messages import PolygonMessage, Poses
 from diffdrive_kinematics.nodes.running import main_of
 from diffdrive_kinematics.nodes.tables import (
     check_sides, check_wiring, FORWARD_PROJECTION, wheel_geometry, wheel_slips)
+from diffdrive_kinematics.nodes.wheel_joints import wheel_joints
 from geometry_msgs.msg import PolygonStamped, PoseArray
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import JointState
@@ -75,7 +76,7 @@ class ForwardProjection(DiffDriveNode[Config]):
     def __init__(self, name: str = 'forward_projection', **composition: Any) -> None:
         super().__init__(name, FORWARD_PROJECTION, build, **composition)
         values = self.config.values
-        self._reader = WheelReader(values['left_wheel_names'], values['right_wheel_names'])
+        self._reader = WheelReader(wheel_joints(values), encoder_range=values['encoder_range'])
         self._wheels = core.Odometry.starting_at(  # for its account of the rates alone
             Pose(0.0, 0.0, 0.0), geometry=self.config.geometry, timeout_ns=self.config.timeout_ns)
         self._odometry: Optional[Tuple[Odometry, Pose]] = None

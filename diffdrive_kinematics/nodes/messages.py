@@ -25,16 +25,19 @@ from typing import Callable, List, MutableSequence, Optional, Sequence, Tuple
 from builtin_interfaces.msg import Time
 from diffdrive_kinematics.core.arc import Pose
 from diffdrive_kinematics.core.covariance import PoseCovariance, TwistCovariance
+from diffdrive_kinematics.core.encoders import Encoder, PositionTrack
 from diffdrive_kinematics.core.odometry import BaseReading
+from diffdrive_kinematics.core.planar import planar_covariance, planar_pose
 from diffdrive_kinematics.core.wheel_motion import Pair, WheelSample
-from geometry_msgs.msg import TwistStamped
+from diffdrive_kinematics.nodes.wheel_joints import WheelJoints
+from geometry_msgs.msg import PoseWithCovarianceStamped, TwistStamped
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64MultiArray
 
 __all__ = [
     'OdometryMessage', 'TwistMessage', 'WheelCommandMessage', 'WheelMessage', 'WheelReader',
-    'nanoseconds', 'pose_from_odometry', 'set_stamp']
+    'given_pose', 'nanoseconds', 'pose_from_odometry', 'set_stamp']
 
 NANOSECONDS = 1_000_000_000
 
@@ -67,19 +70,41 @@ def pose_from_odometry(message: Odometry) -> Pose:
         2.0 * (q.w * q.z + q.x * q.y), 1.0 - 2.0 * (q.y * q.y + q.z * q.z)))
 
 
+def given_pose(message: PoseWithCovarianceStamped, frame_id: str) -> Tuple[
+        Pose, PoseCovariance]:
+    """
+    Return pose and covariance in the plane of a message in a frame.
+
+    Raises
+    ------
+    ValueError
+        If the frame is another one, or pose or covariance are none.
+
+    """
+    if message.header.frame_id != frame_id:
+        raise ValueError(f'frame_id is {message.header.frame_id!r}, expected {frame_id!r}')
+    at, q = message.pose.pose.position, message.pose.pose.orientation
+    pose = planar_pose(at.x, at.y, (q.x, q.y, q.z, q.w))
+    return pose, planar_covariance(message.pose.covariance)
+
+
 class WheelReader:
     """
     Reads wheel motion from JointState: joints in any order, several wheels a side.
 
     A side's rate and position are the means over its wheels.  ``header.frame_id``, which has no
     other meaning in a JointState, tells one run of a publisher of this package from another.
+    Positions that wrap around with the range of the encoders [rad] are followed, each joint by
+    itself; range 0: they do not wrap.
     """
 
     def __init__(
-            self, left_names: Sequence[str], right_names: Sequence[str], *,
-            positions: bool = True) -> None:
-        self._sides = (tuple(left_names), tuple(right_names))
+            self, joints: WheelJoints, *, positions: bool = True,
+            encoder_range: float = 0.0) -> None:
+        self._joints = joints
         self._with_positions = positions
+        self._fresh_track = self._track = PositionTrack(encoder_range)
+        self._source = ''
         self._known_names: List[str] = []
         self._indices: Tuple[Tuple[int, ...], Tuple[int, ...]] = ((), ())
 
@@ -103,7 +128,9 @@ class WheelReader:
                 return None
             self._indices, self._known_names = indices, list(message.name)
         rates = self._pair('velocity', message.velocity)
-        positions = self._pair('position', message.position) if self._with_positions else None
+        positions = None
+        if self._with_positions:
+            positions = self._pair('position', self._followed(message))
         if rates is not None and positions is not None:
             rates = None if _is_nan(rates) else rates
             positions = None if _is_nan(positions) and rates else positions
@@ -112,15 +139,32 @@ class WheelReader:
 
     def _find(
             self, names: Sequence[str]) -> Optional[Tuple[Tuple[int, ...], Tuple[int, ...]]]:
-        wanted = self._sides[0] + self._sides[1]
+        wanted = self._joints.all_names()
         missing = [name for name in wanted if name not in names]
         if len(missing) == len(wanted):
             return None
         if missing:
-            raise ValueError(f'name is {list(names)!r}, expected also {missing!r}')
+            raise ValueError(
+                f'name is {list(names)!r}, only some of our joints, expected also {missing!r}')
         names = list(names)
-        left, right = (tuple(names.index(name) for name in side) for side in self._sides)
+        left, right = (tuple(names.index(name) for name in side) for side in self._joints.names)
         return left, right
+
+    def _followed(self, message: JointState) -> Sequence[float]:
+        """Return the positions of a message without their wraps; each source counts anew."""
+        positions = message.position
+        ours = [positions[i] for side in self._indices for i in side if i < len(positions)]
+        if not self._track.period or len(positions) != len(self._known_names) or not all(
+                map(math.isfinite, ours)):
+            return positions
+        source = message.header.frame_id
+        track = self._track if source == self._source else self._fresh_track
+        self._track, self._source = track.followed(ours), source
+        followed = list(positions)
+        for index, position in zip(
+                (i for side in self._indices for i in side), self._track.positions):
+            followed[index] = position
+        return followed
 
     def _pair(self, field: str, values: Sequence[float]) -> Optional[Pair]:
         if not values:
@@ -131,7 +175,7 @@ class WheelReader:
                 'each name')
         left, right = (
             sum(values[i] for i in side) / len(side) for side in self._indices)
-        return left, right
+        return self._joints.signed((left, right))
 
 
 def _is_nan(pair: Pair) -> bool:
@@ -143,40 +187,39 @@ class WheelMessage:
     A JointState for all wheels that is filled anew for each sample.
 
     ``source`` tells this run of this publisher from any other, so that positions that begin to
-    count anew are not taken for motion (see ``WheelReader``).
+    count anew are not taken for motion (see ``WheelReader``).  ``encoder`` reads the positions.
     """
 
     def __init__(
-            self, left_names: Sequence[str], right_names: Sequence[str], source: str = '') -> None:
-        self._counts = (len(left_names), len(right_names))
-        self.message = JointState(name=[*left_names, *right_names])
+            self, joints: WheelJoints, source: str = '', encoder: Encoder = Encoder()) -> None:
+        self._joints, self._encoder = joints, encoder
+        self.message = JointState(name=joints.all_names())
         self.message.header.frame_id = source
 
     def filled(
             self, stamp_ns: int, rates: Optional[Pair], positions: Optional[Pair]) -> JointState:
         """Return the message with a stamp, rates [rad/s] and positions [rad]; None: absent."""
         set_stamp(self.message.header.stamp, stamp_ns)
-        self.message.velocity = self._values(rates)
-        self.message.position = self._values(positions)
+        joints = self._joints
+        self.message.velocity = [] if rates is None else joints.spread(joints.signed(rates))
+        self.message.position = [] if positions is None else joints.spread(
+            self._read(joints.signed(positions)))
         return self.message
 
-    def _values(self, pair: Optional[Pair]) -> List[float]:
-        if pair is None:
-            return []
-        return [float(pair[0])] * self._counts[0] + [float(pair[1])] * self._counts[1]
+    def _read(self, angles: Pair) -> Pair:
+        return self._encoder.reading(angles[0]), self._encoder.reading(angles[1])
 
 
 class WheelCommandMessage:
     """A Float64MultiArray of wheel rates, left wheels then right wheels."""
 
-    def __init__(self, left_names: Sequence[str], right_names: Sequence[str]) -> None:
-        self._counts = (len(left_names), len(right_names))
+    def __init__(self, joints: WheelJoints) -> None:
+        self._joints = joints
         self.message = Float64MultiArray()
 
     def filled(self, rates: Pair) -> Float64MultiArray:
         """Return the message with rates [rad/s]."""
-        self.message.data = (
-            [float(rates[0])] * self._counts[0] + [float(rates[1])] * self._counts[1])
+        self.message.data = self._joints.spread(self._joints.signed(rates))
         return self.message
 
 
@@ -214,6 +257,7 @@ class OdometryMessage:
     """
 
     def __init__(self, frame_id: str, child_frame_id: str) -> None:
+        self.frame_id = frame_id
         self.message = Odometry(child_frame_id=child_frame_id)
         self.message.header.frame_id = frame_id
         self._pose_covariance: Optional[Tuple[float, ...]] = None

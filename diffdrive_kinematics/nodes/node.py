@@ -29,6 +29,7 @@ from rclpy.duration import Duration
 from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
 from rclpy.publisher import Publisher
+from rclpy.service import Service
 from rclpy.subscription import Subscription
 
 __all__ = ['DiffDriveNode']
@@ -37,6 +38,10 @@ Config = TypeVar('Config')
 QUEUE_DEPTH = 10
 STEPPED_QUEUE_DEPTH = 1000  # other processes cannot hold up time that is stepped
 REPORT_PERIOD_S = 1.0
+VERDICTS = {  # where it was seen, and what was done
+    Verdict.OUT_OF_ORDER: ('stamps', 'dropped'),
+    Verdict.CLOCK_STEP: ('stamps', 'nothing integrated'),
+    Verdict.JUMPED: ('positions', 'they count anew, max_encoder_rate is exceeded')}
 LAST_WORD_PERIOD = Duration(nanoseconds=20_000_000)
 
 
@@ -157,6 +162,25 @@ class DiffDriveNode(Node, Generic[Config]):
             lambda *endpoint: self.create_subscription(
                 endpoint[0], endpoint[1], guarded, endpoint[2], raw=raw), message_type, topic)
 
+    def serve(
+            self, service_type: type, name: str, answer: Callable[[Any, Any], Any]) -> Service:
+        """
+        Return a service; ``answer`` fills in the response to a request and returns it.
+
+        A ``ValueError`` of the callback refuses the request: it is counted and reported, and the
+        response says why where it has ``success`` and ``message``.
+        """
+        def guarded(request: Any, response: Any) -> Any:
+            try:
+                return answer(request, response)
+            except ValueError as error:
+                self.refuse(f"request of '{name}': {error}")
+                if hasattr(response, 'success') and hasattr(response, 'message'):
+                    response.success, response.message = False, str(error)
+                return response
+
+        return self.create_service(service_type, name, guarded)
+
     def _endpoint(self, create: Callable[..., Any], message_type: type, topic: str) -> Any:
         """Return what ``create`` makes of a type, a topic and a depth."""
         depth = STEPPED_QUEUE_DEPTH if self._stepped else QUEUE_DEPTH
@@ -191,12 +215,12 @@ class DiffDriveNode(Node, Generic[Config]):
 
     def judge(self, verdict: Verdict, topic: str) -> None:
         """Count and report wheel motion that was not taken as it came."""
-        if verdict in (Verdict.OUT_OF_ORDER, Verdict.CLOCK_STEP):
+        if verdict in VERDICTS:
+            what, done = VERDICTS[verdict]
             self.counts[verdict.value] += 1
             self.get_logger().warning(
-                f"{verdict.value} in the stamps of '{topic}' "
-                f'({self.counts[verdict.value]} so far): '
-                + ('dropped' if verdict is Verdict.OUT_OF_ORDER else 'nothing integrated'),
+                f"{verdict.value} in the {what} of '{topic}' "
+                f'({self.counts[verdict.value]} so far): {done}',
                 throttle_duration_sec=REPORT_PERIOD_S)
 
     def ready(self) -> bool:

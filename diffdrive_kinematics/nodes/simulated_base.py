@@ -14,7 +14,7 @@
 
 """``simulated_base``: wheel motion in, odometry, joint states and tf out."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 import math
 from typing import Any, Mapping, Optional, Tuple
 
@@ -23,17 +23,22 @@ from diffdrive_kinematics.core.arc import Pose
 from diffdrive_kinematics.core.covariance import (
     heading_covariance, NO_COVARIANCE, PoseCovariance, twist_covariance)
 from diffdrive_kinematics.core.distributions import sample_heading
+from diffdrive_kinematics.core.encoders import Encoder
 from diffdrive_kinematics.core.geometry import WheelGeometry
 from diffdrive_kinematics.core.wheel_motion import Pair, timeout_from_seconds
-from diffdrive_kinematics.nodes.messages import OdometryMessage, WheelMessage, WheelReader
+from diffdrive_kinematics.nodes.messages import (
+    given_pose, OdometryMessage, WheelMessage, WheelReader)
 from diffdrive_kinematics.nodes.node import DiffDriveNode
 from diffdrive_kinematics.nodes.running import main_of
 from diffdrive_kinematics.nodes.tables import (
     check_sides, check_wiring, SIMULATED_BASE, wheel_geometry)
 from diffdrive_kinematics.nodes.tf import TransformPublisher
+from diffdrive_kinematics.nodes.wheel_joints import wheel_joints
+from geometry_msgs.msg import PoseWithCovarianceStamped
 from nav_msgs.msg import Odometry
 import numpy as np
 from sensor_msgs.msg import JointState
+from std_srvs.srv import Trigger
 
 WAITING_REPORT_PERIOD_S = 10.0
 
@@ -58,6 +63,12 @@ def build(values: Mapping[str, Any]) -> Config:
         slips if values['slip_model'] == 'travel' else (0.0, 0.0), values)
 
 
+def _bound(values: Mapping[str, Any]) -> float:
+    """Return the wheel rate [rad/s] above which positions have jumped."""
+    bound = values['max_encoder_rate']
+    return math.inf if math.isnan(bound) else bound
+
+
 def _start(values: Mapping[str, Any]) -> Tuple[Pose, PoseCovariance]:
     """Return the pose to start from and its covariance: a heading that is drawn is certain."""
     pose = Pose(*values['initial_pose'])
@@ -78,13 +89,16 @@ class SimulatedBase(DiffDriveNode[Config]):
     def __init__(self, name: str = 'simulated_base', **composition: Any) -> None:
         super().__init__(name, SIMULATED_BASE, build, **composition)
         values = self.config.values
-        names = values['left_wheel_names'], values['right_wheel_names']
-        self._reader = WheelReader(*names, positions=values['position_feedback'])
+        joints = wheel_joints(values)
+        encoder = Encoder(values['encoder_range'], values['encoder_resolution'])
+        self._reader = WheelReader(
+            joints, positions=values['position_feedback'], encoder_range=encoder.period)
         pose, covariance = _start(values)
-        self._odometry = core.Odometry.starting_at(
+        self._odometry = replace(core.Odometry.starting_at(
             pose, geometry=self.config.geometry, timeout_ns=self.config.timeout_ns,
-            slip_variances=self.config.slip_variances, covariance=covariance)
-        self._wheels = WheelMessage(*names, source=self.source())
+            slip_variances=self.config.slip_variances, covariance=covariance),
+            max_rate=_bound(values))
+        self._wheels = WheelMessage(joints, self.source(), encoder)
         self._message = OdometryMessage(values['odom_frame_id'], values['base_frame_id'])
         self._set_diagonals(values)
         topic = values['odom_topic']
@@ -93,6 +107,10 @@ class SimulatedBase(DiffDriveNode[Config]):
         self._joints_publisher = self.publisher(JointState, topic) if topic else None
         self._transform = TransformPublisher(self) if values['enable_odom_tf'] else None
         self.subscribe(JointState, values['wheel_motion_topic'], self._on_wheels)
+        topic = values['set_pose_topic']
+        if topic:
+            self.subscribe(PoseWithCovarianceStamped, topic, self._on_pose)
+        self.serve(Trigger, '~/reset', self._on_reset)
         self._timer = self.every(values['publish_rate'], self._tick)
         self.parameters.on_change(self._configure)
 
@@ -107,6 +125,27 @@ class SimulatedBase(DiffDriveNode[Config]):
             return
         self._odometry, verdict = self._odometry.received(sample, now_ns)
         self.judge(verdict, self.config.values['wheel_motion_topic'])
+
+    def _on_pose(self, message: PoseWithCovarianceStamped) -> None:
+        pose, covariance = given_pose(message, self._message.frame_id)
+        self._odometry = self._odometry.placed_at(pose, covariance, self._synchronised_now())
+        self._report_place(f"set on '{self.config.values['set_pose_topic']}'")
+
+    def _on_reset(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        pose, covariance = _start(self.config.values)
+        self._odometry = self._odometry.placed_at(
+            pose, covariance, self._synchronised_now(), keep_angles=False)
+        response.success, response.message = True, self._report_place('reset')
+        return response
+
+    def _report_place(self, how: str) -> str:
+        """Log the pose that was set, and return what was logged."""
+        pose = self.reading().pose
+        report = (
+            f'pose {how}: x {pose.x:.3f} m, y {pose.y:.3f} m, yaw {pose.theta:.4f} rad in '
+            f"'{self._message.frame_id}'")
+        self.get_logger().info(report)
+        return report
 
     def _tick(self) -> None:
         now_ns = self._synchronised_now()
@@ -159,6 +198,7 @@ class SimulatedBase(DiffDriveNode[Config]):
                 old.geometry, old.timeout_ns, old.slip_variances):
             self._odometry = old.configured(
                 config.geometry, config.timeout_ns, now_ns, config.slip_variances)
+        self._odometry = replace(self._odometry, max_rate=_bound(config.values))
         self._set_diagonals(config.values)
         self._timer = self.retimed(self._timer, config.values['publish_rate'], self._tick)
 

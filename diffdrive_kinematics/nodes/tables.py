@@ -19,7 +19,7 @@ Names, units and defaults are those of ros2_controllers' ``diff_drive_controller
 has the same thing.  The tables are data: nodes declare them, documentation is made from them.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 import enum
 import math
 from typing import Any, Callable, List, Mapping, Optional, Sequence, Tuple
@@ -87,6 +87,11 @@ def _check_optional_seed(name: str, value: int) -> None:
 def _check_concentration(name: str, value: float) -> None:
     if not math.isnan(value):
         check_non_negative(name, value)
+
+
+def _check_positive_or_nan(name: str, value: float) -> None:
+    if not math.isnan(value):
+        check_positive(name, value)
 
 
 def _check_count(name: str, value: int) -> None:
@@ -183,7 +188,16 @@ _JOINTS = (
     Entry('left_wheel_names', ['left_wheel_joint'], 'joints of the left wheels', Kind.STRINGS,
           _check_joint_names, read_only=True),
     Entry('right_wheel_names', ['right_wheel_joint'], 'joints of the right wheels', Kind.STRINGS,
-          _check_joint_names, read_only=True))
+          _check_joint_names, read_only=True),
+    Entry('left_wheel_inverted', False, 'true: the joints of the left wheels turn backward where '
+          'the wheels roll forward, as a mirrored motor does; rates and positions have their sign '
+          'in every message', Kind.BOOL, read_only=True),
+    Entry('right_wheel_inverted', False, 'the same for the right wheels', Kind.BOOL,
+          read_only=True))
+_ENCODER_RANGE = Entry(
+    'encoder_range', 0.0, 'at which positions of the joints wrap around [rad]; what comes in '
+    'counts modulo it, up to half a range a message; 0: they do not wrap',
+    check=check_non_negative, read_only=True)
 _RADII = (
     Entry('wheel_radius', math.nan, 'radius R of the wheels [m], above 0', check=check_positive,
           required=True),
@@ -270,6 +284,7 @@ WHEEL_NOISE = (
     *_RADII, *_JOINTS,
     _topic('input_topic', 'wheel_rates', 'nominal wheel motion in'),
     _topic('output_topic', 'noisy_wheel_rates', 'effective wheel motion out'),
+    _ENCODER_RANGE,
     *_BIAS, *_SLIP,
     Entry('slip_model', 'travel', "'travel': variance grows with distance, whatever the message "
           "rate; 'command': sigma is in proportion to the rate, drawn once a message, "
@@ -293,11 +308,21 @@ SIMULATED_BASE = (
     _topic('wheel_motion_topic', 'wheel_rates', 'wheel motion in: rates, positions or both'),
     _topic('odom_topic', 'odom', 'odometry out; empty: off', optional=True),
     _topic('joint_states_topic', 'joint_states', 'joint states out; empty: off', optional=True),
+    _topic('set_pose_topic', 'set_pose', 'poses in to put the robot at, PoseWithCovarianceStamped '
+           'in odom_frame_id; empty: off', optional=True),
     Entry('publish_rate', 50.0, 'rate [Hz] of odometry and joint states', check=check_rate),
     Entry('command_timeout', 0.5, 'silence [s] after which the wheels stop, at the last stamp '
           'plus this; 0: never', check=check_duration),
     Entry('position_feedback', True, 'false: ignore positions in wheel motion and integrate its '
           'rates', Kind.BOOL, read_only=True),
+    replace(_ENCODER_RANGE, description='at which positions of the joints wrap around [rad]; '
+            'joint states out wrap into [-range/2, range/2), and what comes in counts modulo it, '
+            'up to half a range a message; 0: they do not wrap'),
+    Entry('encoder_resolution', 0.0, 'ticks a turn of the wheel in the positions of joint states '
+          'out; 0: ideal', check=check_non_negative, read_only=True),
+    Entry('max_encoder_rate', math.nan, 'wheel rate [rad/s], well above what the wheels can do: '
+          'positions that went faster between two messages count anew, as encoders that started '
+          'again elsewhere do; NaN: none', check=_check_positive_or_nan),
     *_START,
     Entry('initial_heading_seed', -1, 'draw the yaw at start with this seed, as a ground truth '
           'does; -1: do not, and publish how uncertain it is', Kind.INTEGER, _check_optional_seed,
@@ -355,6 +380,7 @@ FORWARD_PROJECTION = (
     Entry('publish_rate', 5.0, 'rate [Hz] of the projections', check=check_rate),
     Entry('command_timeout', 0.5, 'silence [s] after which the wheels count as stopped; as in '
           'simulated_base; 0: never', check=check_duration),
+    _ENCODER_RANGE,
     Entry('horizon', 2.0, 'how far ahead [s] to look, above 0', check=_check_horizon),
     Entry('stages', 4, 'into how many steps of equal length the horizon is cut, each with slip of '
           'its own', Kind.INTEGER, _check_stages),

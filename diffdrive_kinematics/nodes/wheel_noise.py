@@ -24,6 +24,7 @@ from diffdrive_kinematics.nodes.node import DiffDriveNode
 from diffdrive_kinematics.nodes.running import main_of
 from diffdrive_kinematics.nodes.tables import (
     check_sides, check_wiring, WHEEL_NOISE, wheel_radii, wheel_slips)
+from diffdrive_kinematics.nodes.wheel_joints import wheel_joints
 import numpy as np
 from sensor_msgs.msg import JointState
 
@@ -51,9 +52,9 @@ class WheelNoise(DiffDriveNode[Config]):
     def __init__(self, name: str = 'wheel_noise', **composition: Any) -> None:
         super().__init__(name, WHEEL_NOISE, build, **composition)
         values = self.config.values
-        names = values['left_wheel_names'], values['right_wheel_names']
-        self._reader = WheelReader(*names)
-        self._wheels = WheelMessage(*names, source=self.source())
+        joints = wheel_joints(values)
+        self._reader = WheelReader(joints, encoder_range=values['encoder_range'])
+        self._wheels = WheelMessage(joints, self.source())
         self._stream = self.config.stream
         self._seed = values['seed']
         self._generator = np.random.default_rng(self._seed)

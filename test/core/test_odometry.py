@@ -19,6 +19,8 @@ from itertools import accumulate
 import math
 
 from diffdrive_kinematics.core.arc import Pose
+from diffdrive_kinematics.core.compensated import RunningSum
+from diffdrive_kinematics.core.covariance import NO_COVARIANCE, PoseCovariance
 from diffdrive_kinematics.core.geometry import WheelGeometry
 from diffdrive_kinematics.core.odometry import Odometry
 from diffdrive_kinematics.core.wheel_motion import Verdict, WheelSample
@@ -356,3 +358,61 @@ def test_a_stop_that_is_under_way_while_settings_change_is_obeyed():
     stopped = fed(changed, [WheelSample(200 * MS, (0.0, 0.0))])
     assert stopped.at(9 * S).rates == (0.0, 0.0)
     assert stopped.at(9 * S).pose == stopped.at(206 * MS).pose
+
+
+@LAW
+@given(schedules, st.integers(0, 400 * MS), st.booleans())
+def test_a_base_that_is_put_elsewhere_stands_there_and_then_moves_on_by_what_wheels_roll(
+        schedule, after, with_rates):
+    samples = with_positions(schedule)
+    if not with_rates:
+        samples = [replace(sample, rates=None) for sample in samples]
+    when = samples[-1].stamp_ns + after
+    before = fed(replace(START, timeout_ns=None), samples)
+    placed = before.placed_at(Pose(-3.0, 4.0, 0.5), NO_COVARIANCE, when)
+    reading = placed.at(when + 10 * S)
+    assert (reading.pose, reading.twist, reading.rates) == (
+        Pose(-3.0, 4.0, 0.5), (0.0, 0.0), (0.0, 0.0))
+    assert reading.angles == before.at(when).angles
+    angle = [rate * after / 1e9 for rate in samples[-1].rates or STILL]
+    last = samples[-1].positions
+    following = WheelSample(
+        when + 20 * MS, A if with_rates else None,
+        (last[0] + angle[0] + 0.3, last[1] + angle[1] + 0.3))
+    moved, verdict = placed.received(following, NOW)
+    assert verdict is Verdict.MOVED
+    expected = replace(
+        START, x=RunningSum(-3.0), y=RunningSum(4.0), theta=RunningSum(0.5))._rolled((0.3, 0.3))
+    assert_same_reading(
+        moved.at(following.stamp_ns)._replace(angles=STILL, rates=STILL),
+        expected.at(0)._replace(angles=STILL, rates=STILL), 1e-9)
+
+
+def test_a_base_that_is_put_elsewhere_has_the_covariance_and_the_angles_that_are_asked_for():
+    given_covariance = PoseCovariance(0.1, 0.0, 0.0, 0.2, 0.0, 0.3)
+    odometry = fed(replace(START, slip_variances=(0.01, 0.01)), with_positions(
+        [WheelSample(number * 20 * MS, A) for number in range(9)]))
+    placed = odometry.placed_at(Pose(0.0, 0.0, 0.0), given_covariance, S, keep_angles=False)
+    assert placed.covariance_at(2 * S) == given_covariance
+    assert placed.at(2 * S).angles == STILL
+    assert odometry.covariance_at(S) != given_covariance
+
+
+def test_a_base_that_has_heard_nothing_can_be_put_elsewhere():
+    assert START.placed_at(Pose(1.0, 2.0, 3.0), NO_COVARIANCE, S).at(S).pose == Pose(1.0, 2.0, 3.0)
+
+
+def test_a_message_that_was_on_its_way_while_the_base_was_put_elsewhere_is_no_jump():
+    steady = with_positions([WheelSample(number * 10 * MS, A) for number in range(17)])
+    placed = fed(START, steady[:11]).placed_at(Pose(0.0, 0.0, 0.0), NO_COVARIANCE, 120 * MS)
+    moved = fed(placed, [steady[11], steady[16]])
+    expected = 0.04 * (GEOMETRY.right_radius * A[1] - GEOMETRY.left_radius * A[0])
+    assert moved.at(160 * MS).pose.theta == pytest.approx(
+        expected / GEOMETRY.separation, abs=1e-12)
+
+
+@pytest.mark.parametrize('pose', [
+    Pose(math.nan, 0.0, 0.0), Pose(0.0, math.inf, 0.0), Pose(0.0, 0.0, -math.inf)])
+def test_a_base_is_put_nowhere_that_is_not_finite(pose):
+    with pytest.raises(ValueError, match='of the pose'):
+        START.placed_at(pose, NO_COVARIANCE, S)

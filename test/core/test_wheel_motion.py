@@ -312,3 +312,49 @@ def test_a_repeat_from_long_before_the_last_one_is_a_step_of_the_clock():
     motion, _, verdicts = play(samples, timeout_ns=None)
     assert verdicts == [Verdict.REPEATED, Verdict.CLOCK_STEP]
     assert motion.anchor_ns == motion.last_ns == 5 * S
+
+
+def jumped(samples, max_rate=50.0):
+    """Return the angle rolled and the verdicts of samples where wheels reach ``max_rate``."""
+    motion, verdicts = first_motion(samples[0]), []
+    left = right = 0.0
+    for sample in samples[1:]:
+        result = receive(motion, sample, now_ns=NOW, timeout_ns=None, max_rate=max_rate)
+        motion = result.motion
+        left, right = left + result.rolled[0], right + result.rolled[1]
+        verdicts.append(result.verdict)
+    held = rolled(motion, motion.last_ns, None)
+    return (left + held[0], right + held[1]), verdicts
+
+
+@pytest.mark.parametrize('rates', [None, A], ids=['positions only', 'with rates'])
+def test_positions_that_jump_are_a_new_baseline_from_which_they_count_on(rates):
+    positions = [(0.0, 0.0), (0.02, 0.04), (700.0, 0.08), (700.02, 0.12), (-9.0, 0.16),
+                 (-8.98, 0.2)]
+    angle, verdicts = jumped([
+        WheelSample(number * 20 * MS, rates, position)
+        for number, position in enumerate(positions)])
+    assert verdicts.count(Verdict.JUMPED) == 2
+    held = 0 if rates is None else 2  # over a jump rates are held, where there are any
+    assert angle == pytest.approx((0.06 + held * 0.02, 0.12 + held * 0.04), abs=1e-12)
+
+
+def test_a_jump_after_a_long_time_of_steady_rates_is_one_of_the_last_message():
+    steady = [WheelSample(number * 20 * MS, A, (0.02 * number, 0.04 * number))
+              for number in range(500)]
+    angle, verdicts = jumped([*steady, WheelSample(10 * S, A, (10.0 + 30.0, 20.0))])
+    assert verdicts[-1] is Verdict.JUMPED
+    assert verdicts.count(Verdict.JUMPED) == 1
+    assert angle == pytest.approx((10.0, 20.0), rel=1e-12)
+
+
+def test_a_wheel_at_the_bound_does_not_jump_and_one_above_does():
+    at, above = (WheelSample(20 * MS, None, (rate * 0.02, -rate * 0.02)) for rate in (50.0, 50.1))
+    start = WheelSample(0, None, STILL)
+    assert jumped([start, at])[1] == [Verdict.MOVED]
+    assert jumped([start, above])[1] == [Verdict.JUMPED]
+
+
+def test_without_a_bound_nothing_jumps():
+    samples = [WheelSample(0, None, STILL), WheelSample(1, None, (1e9, -1e9))]
+    assert play(samples)[2] == [Verdict.MOVED]
