@@ -24,15 +24,17 @@ from diffdrive_kinematics.core.covariance import (
     heading_covariance, NO_COVARIANCE, PoseCovariance, twist_covariance)
 from diffdrive_kinematics.core.distributions import sample_heading
 from diffdrive_kinematics.core.encoders import Encoder
+from diffdrive_kinematics.core.frames import composed, inverted, OdometryHistory
 from diffdrive_kinematics.core.geometry import WheelGeometry
+from diffdrive_kinematics.core.planar import planar_pose
 from diffdrive_kinematics.core.wheel_motion import Pair, timeout_from_seconds
 from diffdrive_kinematics.nodes.messages import (
-    given_pose, OdometryMessage, WheelMessage, WheelReader)
+    given_pose, nanoseconds, OdometryMessage, WheelMessage, WheelReader)
 from diffdrive_kinematics.nodes.node import DiffDriveNode
 from diffdrive_kinematics.nodes.running import main_of
 from diffdrive_kinematics.nodes.tables import (
     check_sides, check_wiring, SIMULATED_BASE, wheel_geometry)
-from diffdrive_kinematics.nodes.tf import TransformPublisher
+from diffdrive_kinematics.nodes.tf import frame_prefix, TransformPublisher
 from diffdrive_kinematics.nodes.wheel_joints import wheel_joints
 from geometry_msgs.msg import PoseWithCovarianceStamped
 from nav_msgs.msg import Odometry
@@ -57,6 +59,11 @@ def build(values: Mapping[str, Any]) -> Config:
     """Return the configuration of parameter values, or raise ``ValueError``."""
     check_wiring(values, 'wheel_motion_topic', ('odom_topic', 'joint_states_topic'))
     check_sides(values)
+    if values['enable_odom_tf'] and values['publish_map_odom_tf']:
+        raise ValueError(
+            'enable_odom_tf and publish_map_odom_tf are both true, expected enable_odom_tf to be '
+            'false: a frame has one parent, and that of base_frame_id is the frame of '
+            "belief_topic's odometry")
     slips = values['left_slip_variance'], values['right_slip_variance']
     return Config(
         wheel_geometry(values), timeout_from_seconds(values['command_timeout']),
@@ -99,13 +106,19 @@ class SimulatedBase(DiffDriveNode[Config]):
             slip_variances=self.config.slip_variances, covariance=covariance),
             max_rate=_bound(values))
         self._wheels = WheelMessage(joints, self.source(), encoder)
-        self._message = OdometryMessage(values['odom_frame_id'], values['base_frame_id'])
+        prefix = frame_prefix(values, self.get_namespace())
+        self._message = OdometryMessage(
+            prefix + values['odom_frame_id'], prefix + values['base_frame_id'])
         self._set_diagonals(values)
         topic = values['odom_topic']
         self._publisher = self.publisher(Odometry, topic) if topic else None
         topic = values['joint_states_topic']
         self._joints_publisher = self.publisher(JointState, topic) if topic else None
-        self._transform = TransformPublisher(self) if values['enable_odom_tf'] else None
+        self._transform = self._transforms('enable_odom_tf')
+        self._map_odom = self._transforms('publish_map_odom_tf')
+        self._history = OdometryHistory((self._odometry,))
+        if self._map_odom:
+            self.subscribe(Odometry, values['belief_topic'], self._on_belief)
         self.subscribe(JointState, values['wheel_motion_topic'], self._on_wheels)
         topic = values['set_pose_topic']
         if topic:
@@ -113,6 +126,9 @@ class SimulatedBase(DiffDriveNode[Config]):
         self.serve(Trigger, '~/reset', self._on_reset)
         self._timer = self.every(values['publish_rate'], self._tick)
         self.parameters.on_change(self._configure)
+
+    def _transforms(self, switch: str) -> Optional[TransformPublisher]:
+        return TransformPublisher(self, switch) if self.config.values[switch] else None
 
     def reading(self) -> core.BaseReading:
         """Return the base as it is now."""
@@ -125,16 +141,38 @@ class SimulatedBase(DiffDriveNode[Config]):
             return
         self._odometry, verdict = self._odometry.received(sample, now_ns)
         self.judge(verdict, self.config.values['wheel_motion_topic'])
+        if self._map_odom:
+            self._history = self._history.followed(self._odometry)
+
+    def _on_belief(self, belief: Odometry) -> None:
+        """Say where the believed frame is, so that the robot is seen where it really is."""
+        own, base = self._message.frame_id, self._message.message.child_frame_id
+        if belief.child_frame_id != base:
+            raise ValueError(f'child_frame_id is {belief.child_frame_id!r}, expected {base!r}')
+        if belief.header.frame_id in ('', own):
+            raise ValueError(
+                f'frame_id is {belief.header.frame_id!r}, expected another frame than {own!r}')
+        at, q = belief.pose.pose.position, belief.pose.pose.orientation
+        believed = planar_pose(at.x, at.y, (q.x, q.y, q.z, q.w))
+        self._synchronised_now()
+        if self._odometry.motion is None:
+            return
+        truth = self._history.pose_at(nanoseconds(belief.header.stamp))
+        self._map_odom.publish_pose(
+            belief.header.stamp, own, belief.header.frame_id,
+            composed(truth, inverted(believed)))
 
     def _on_pose(self, message: PoseWithCovarianceStamped) -> None:
         pose, covariance = given_pose(message, self._message.frame_id)
         self._odometry = self._odometry.placed_at(pose, covariance, self._synchronised_now())
+        self._history = OdometryHistory((self._odometry,))
         self._report_place(f"set on '{self.config.values['set_pose_topic']}'")
 
     def _on_reset(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
         pose, covariance = _start(self.config.values)
         self._odometry = self._odometry.placed_at(
             pose, covariance, self._synchronised_now(), keep_angles=False)
+        self._history = OdometryHistory((self._odometry,))
         response.success, response.message = True, self._report_place('reset')
         return response
 
@@ -170,6 +208,7 @@ class SimulatedBase(DiffDriveNode[Config]):
         now_ns, step_ns = self.now_and_step()
         if step_ns:
             self._odometry = self._odometry.clock_stepped(step_ns)
+            self._history = OdometryHistory((self._odometry,))
         return now_ns
 
     def _set_diagonals(self, values: Mapping[str, Any]) -> None:
@@ -199,6 +238,7 @@ class SimulatedBase(DiffDriveNode[Config]):
             self._odometry = old.configured(
                 config.geometry, config.timeout_ns, now_ns, config.slip_variances)
         self._odometry = replace(self._odometry, max_rate=_bound(config.values))
+        self._history = self._history.followed(self._odometry)
         self._set_diagonals(config.values)
         self._timer = self.retimed(self._timer, config.values['publish_rate'], self._tick)
 

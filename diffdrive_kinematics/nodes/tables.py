@@ -329,6 +329,14 @@ SIMULATED_BASE = (
           read_only=True),
     Entry('enable_odom_tf', True, 'broadcast odom_frame_id -> base_frame_id (needs tf2_msgs)',
           Kind.BOOL, read_only=True),
+    Entry('publish_map_odom_tf', False, 'of a ground truth: broadcast odom_frame_id (map) -> the '
+          'frame of the belief, so that tf shows the robot where it is (needs tf2_msgs, and '
+          'enable_odom_tf false)', Kind.BOOL, read_only=True),
+    _topic('belief_topic', 'odom', 'odometry in that publish_map_odom_tf corrects'),
+    Entry('tf_frame_prefix_enable', False, 'put a prefix before odom_frame_id and base_frame_id',
+          Kind.BOOL, read_only=True),
+    _string('tf_frame_prefix', '', 'that prefix, with or without a slash at its end; empty: the '
+            'namespace of the node'),
     _string('odom_frame_id', 'odom', 'fixed frame of the odometry', _check_named),
     _string('base_frame_id', 'base_link', 'frame of the robot', _check_named),
     *_SLIP,
@@ -451,7 +459,7 @@ KNOWN_NAMES = frozenset(entry.name for table in TABLES.values() for entry in tab
 
 _ROS2_CONTROLLERS = frozenset((
     'type', 'wheels_per_side', 'open_loop', 'velocity_rolling_window_size', 'use_stamped_vel',
-    'tf_frame_prefix', 'tf_frame_prefix_enable', 'update_rate', 'is_async',
+    'update_rate', 'is_async',
     'publish_wheel_data'))
 
 

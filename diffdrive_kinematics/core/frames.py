@@ -1,0 +1,74 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Frames in the plane: chains of poses, and the odometry as it was at a time that is past."""
+
+from dataclasses import dataclass
+import math
+from typing import Tuple
+
+from diffdrive_kinematics.core.angles import wrap_angle
+from diffdrive_kinematics.core.arc import Pose
+from diffdrive_kinematics.core.odometry import Odometry
+
+__all__ = ['OdometryHistory', 'composed', 'inverted']
+
+LONGEST = 128
+
+
+def composed(outer: Pose, inner: Pose) -> Pose:
+    """Return the pose of C in A, of that of B in A (``outer``) and of C in B (``inner``)."""
+    c, s = math.cos(outer.theta), math.sin(outer.theta)
+    return Pose(outer.x + c * inner.x - s * inner.y, outer.y + s * inner.x + c * inner.y,
+                wrap_angle(outer.theta + inner.theta))
+
+
+def inverted(pose: Pose) -> Pose:
+    """Return the pose of A in B, of that of B in A."""
+    c, s = math.cos(pose.theta), math.sin(pose.theta)
+    return Pose(-c * pose.x - s * pose.y, s * pose.x - c * pose.y, wrap_angle(-pose.theta))
+
+
+@dataclass(frozen=True)
+class OdometryHistory:
+    """
+    The last anchors of an odometry, for its pose at a stamp that a later message has passed.
+
+    Parameters
+    ----------
+    past : tuple of Odometry
+        At least one, by rising anchors; what is asked before the first is answered by it.
+
+    """
+
+    past: Tuple[Odometry, ...]
+
+    def followed(self, odometry: Odometry) -> 'OdometryHistory':
+        """Return the history with what the odometry is now; one that went back begins anew."""
+        anchor, last = _anchor(odometry), _anchor(self.past[-1])
+        if anchor < last:
+            return OdometryHistory((odometry,))
+        kept = self.past[:-1] if anchor == last else self.past
+        return OdometryHistory((*kept, odometry)[-LONGEST:])
+
+    def pose_at(self, time_ns: int) -> Pose:
+        """Return the pose at a time [ns]."""
+        for odometry in reversed(self.past):
+            if _anchor(odometry) <= time_ns:
+                return odometry.at(time_ns).pose
+        return self.past[0].at(time_ns).pose
+
+
+def _anchor(odometry: Odometry) -> int:
+    return odometry.motion.anchor_ns if odometry.motion else 0
