@@ -28,6 +28,7 @@ from diffdrive_kinematics.nodes.node import DiffDriveNode
 from diffdrive_kinematics.nodes.parameters import ConfigurationError
 from diffdrive_kinematics.nodes.running import finish, make_executor, run, spin, Stop
 from diffdrive_kinematics.nodes.tables import CALIBRATE, check_sides, wheel_geometry
+from diffdrive_kinematics.nodes.wheel_joints import wheel_joints
 from geometry_msgs.msg import PoseStamped
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import JointState
@@ -73,8 +74,8 @@ class Calibrate(DiffDriveNode[Config]):
         """Begin to collect."""
         values = self.config.values
         self._reader = WheelReader(
-            values['left_wheel_names'], values['right_wheel_names'],
-            positions=values['position_feedback'])
+            wheel_joints(values), positions=values['position_feedback'],
+            encoder_range=values['encoder_range'])
         self.subscribe(JointState, values['motion_topic'], self._on_wheels)
         odometry = values['reference_type'] == 'odometry'
         self.subscribe(

@@ -424,6 +424,7 @@ CALIBRATE = (
     Entry('tick_increments', False, 'ticks are those since the row before, not all so far',
           Kind.BOOL, read_only=True),
     _topic('motion_topic', 'joint_states', 'wheel motion in, without files'),
+    _ENCODER_RANGE,
     Entry('position_feedback', True, 'false: ignore positions in wheel motion', Kind.BOOL,
           read_only=True),
     _topic('reference_topic', 'ground_truth', 'reference poses in, without files'),
