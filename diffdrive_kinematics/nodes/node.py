@@ -16,11 +16,13 @@
 
 from collections import Counter
 import time
-from typing import Any, Callable, Generic, Mapping, Optional, Sequence, Set, Tuple, TypeVar
+from typing import Any, Callable, Dict, Generic, Mapping, Optional, Sequence, Set, Tuple, TypeVar
 
 from diffdrive_kinematics.core.wheel_motion import Verdict
 from diffdrive_kinematics.nodes.clocks import period_ns, SteppedClock, StepWatch
 from diffdrive_kinematics.nodes.parameters import ConfigurationError, ParameterSet
+from diffdrive_kinematics.nodes.qos import (
+    check_delivery, Override, overrides_from, overriding_options, reliable)
 from diffdrive_kinematics.nodes.tables import Entry
 from diffdrive_kinematics.nodes.traffic import Traffic
 from rclpy.clock import Clock
@@ -29,6 +31,7 @@ from rclpy.duration import Duration
 from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
 from rclpy.publisher import Publisher
+from rclpy.qos import HistoryPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.service import Service
 from rclpy.subscription import Subscription
 
@@ -43,6 +46,8 @@ VERDICTS = {  # where it was seen, and what was done
     Verdict.CLOCK_STEP: ('stamps', 'nothing integrated'),
     Verdict.JUMPED: ('positions', 'they count anew, max_encoder_rate is exceeded')}
 LAST_WORD_PERIOD = Duration(nanoseconds=20_000_000)
+UNACKNOWLEDGED_WORDS = 3  # how often the last word is said where nobody acknowledges
+HEARTBEAT_S = 3.0  # the longest that DDS waits before it asks for acknowledgement
 
 
 class DiffDriveNode(Node, Generic[Config]):
@@ -79,6 +84,7 @@ class DiffDriveNode(Node, Generic[Config]):
         self.counts: 'Counter[str]' = Counter()
         self.done = False
         self._topics: Set[str] = set()
+        self._qos_overrides = self._judged_overrides()
         self.parameters: ParameterSet[Config] = ParameterSet(self, table, build)
 
     @property
@@ -130,9 +136,12 @@ class DiffDriveNode(Node, Generic[Config]):
         """Return what tells this run of this node from any other."""
         return f'{self.get_fully_qualified_name()}#{time.time_ns():x}'
 
-    def publisher(self, message_type: type, topic: str) -> Publisher:
-        """Return a reliable publisher."""
-        publisher = self._endpoint(self.create_publisher, message_type, topic)
+    def publisher(
+            self, message_type: type, topic: str,
+            profile: Optional[QoSProfile] = None) -> Publisher:
+        """Return a publisher, reliable where no profile says otherwise."""
+        publisher = self._endpoint(
+            self.create_publisher, message_type, topic, 'publisher', profile)
         if self._traffic:
             self._traffic.count_sent(publisher)
         return publisher
@@ -159,8 +168,9 @@ class DiffDriveNode(Node, Generic[Config]):
         if self._traffic:
             self._traffic.add_listener(resolved)
         return self._endpoint(
-            lambda *endpoint: self.create_subscription(
-                endpoint[0], endpoint[1], guarded, endpoint[2], raw=raw), message_type, topic)
+            lambda message_type, topic, profile, **options: self.create_subscription(
+                message_type, topic, guarded, profile, raw=raw, **options),
+            message_type, topic, 'subscription')
 
     def serve(
             self, service_type: type, name: str, answer: Callable[[Any, Any], Any]) -> Service:
@@ -181,16 +191,22 @@ class DiffDriveNode(Node, Generic[Config]):
 
         return self.create_service(service_type, name, guarded)
 
-    def _endpoint(self, create: Callable[..., Any], message_type: type, topic: str) -> Any:
-        """Return what ``create`` makes of a type, a topic and a depth."""
+    def _endpoint(
+            self, create: Callable[..., Any], message_type: type, topic: str, end: str,
+            profile: Optional[QoSProfile] = None) -> Any:
+        """Return what ``create`` makes of a type, a topic and a quality of service."""
         depth = STEPPED_QUEUE_DEPTH if self._stepped else QUEUE_DEPTH
         resolved = self.resolve_topic_name(topic)
+        overrides = self._qos_overrides.get((resolved, end), ())
+        if self._stepped:
+            self._refuse_start(check_delivery, overrides, depth)
         if resolved in self._topics:
             raise ConfigurationError(
                 f'{self.get_fully_qualified_name()} refuses to start: it would hear itself on '
                 f"'{resolved}', expected different topics in and out")
         try:
-            endpoint = create(message_type, topic, depth)
+            endpoint = create(message_type, topic, profile or reliable(depth),
+                              qos_overriding_options=overriding_options(overrides))
         except rclpy_implementation.RCLError as error:
             raise ConfigurationError(
                 f"{self.get_fully_qualified_name()} refuses to start: '{resolved}' cannot carry "
@@ -198,6 +214,20 @@ class DiffDriveNode(Node, Generic[Config]):
                 f'({error})') from error
         self._topics.add(resolved)
         return endpoint
+
+    def _judged_overrides(self) -> Dict[Tuple[str, str], Tuple[Override, ...]]:
+        """Return the overrides of quality of service that the YAML has."""
+        given = getattr(self, '_parameter_overrides', {})
+        return self._refuse_start(
+            overrides_from, {name: parameter.value for name, parameter in given.items()})
+
+    def _refuse_start(self, judge: Callable[..., Any], *arguments: Any) -> Any:
+        """Return what ``judge`` returns; its ``ValueError`` refuses the start."""
+        try:
+            return judge(*arguments)
+        except ValueError as error:
+            raise ConfigurationError(
+                f'{self.get_fully_qualified_name()} refuses to start: {error}') from error
 
     def unsubscribe(self, subscription: Subscription) -> None:
         """Destroy a subscription."""
@@ -237,13 +267,35 @@ class DiffDriveNode(Node, Generic[Config]):
 
         A publisher that goes takes along what has not arrived.  DDS asks for acknowledgement at
         its next heartbeat, up to 3 s later, or as soon as a queue is full: so the last word is
-        repeated until it is acknowledged, slowly enough to push nothing out of the reader's queue.
+        repeated until it is acknowledged, slowly enough to push nothing out of the reader's
+        queue.  Who listens best-effort never acknowledges: there it is said three times.
         """
         publishers = self.last_word()
         if self._stepped:
             return
-        for _ in range(QUEUE_DEPTH):
+        for _ in range(UNACKNOWLEDGED_WORDS - 1 if self._any_best_effort(publishers) else 0):
+            time.sleep(LAST_WORD_PERIOD.nanoseconds / 1e9)
+            self.last_word()
+        for _ in range(max(map(_words_to_fill, publishers), default=0)):
             if all(publisher.wait_for_all_acked(LAST_WORD_PERIOD) for publisher in publishers):
                 return
             self.last_word()
-        self.get_logger().warning('the last word of this node was not acknowledged')
+        if publishers:
+            self.get_logger().warning('the last word of this node was not acknowledged')
+
+    def _any_best_effort(self, publishers: Sequence[Publisher]) -> bool:
+        """Return whether anybody hears the publishers without acknowledgement."""
+        return any(
+            ReliabilityPolicy.BEST_EFFORT in (end.qos_profile.reliability for end in (
+                listener, *self.get_publishers_info_by_topic(publisher.topic_name)))
+            for publisher in publishers
+            for listener in self.get_subscriptions_info_by_topic(publisher.topic_name))
+
+
+def _words_to_fill(publisher: Publisher) -> int:
+    """Return how many words fill the queue, or last until the heartbeat where that is sooner."""
+    profile = publisher.qos_profile
+    most = round(HEARTBEAT_S * 1e9) // LAST_WORD_PERIOD.nanoseconds + QUEUE_DEPTH
+    if profile.history is not HistoryPolicy.KEEP_LAST:
+        return most
+    return min(most, max(QUEUE_DEPTH, profile.depth))

@@ -25,6 +25,7 @@ import difflib
 from typing import Any, Callable, Dict, Generic, Iterable, Mapping, Optional, Tuple, TypeVar
 
 from diffdrive_kinematics.nodes import tables
+from diffdrive_kinematics.nodes.qos import PREFIX as QOS_PREFIX
 from rcl_interfaces.msg import ParameterDescriptor, SetParametersResult
 from rclpy.node import Node
 from rclpy.parameter import Parameter
@@ -163,6 +164,8 @@ class ParameterSet(Generic[Config]):
         return _Judged(values, self._build(values))
 
     def _judge_change(self, changes: Iterable[Parameter]) -> SetParametersResult:
+        if not self._concerns(changes):
+            return SetParametersResult(successful=True)
         try:
             self._judge(changes)
         except ValueError as error:
@@ -170,7 +173,13 @@ class ParameterSet(Generic[Config]):
             return SetParametersResult(successful=False, reason=str(error))
         return SetParametersResult(successful=True)
 
+    def _concerns(self, changes: Iterable[Parameter]) -> bool:
+        """Return whether any parameter of the table is among the changes."""
+        return any(parameter.name in self._table for parameter in changes)
+
     def _apply_change(self, changes: Iterable[Parameter]) -> None:
+        if not self._concerns(changes):
+            return
         judged = self._judge(changes)
         if judged.values == self._judged.values:
             return
@@ -183,6 +192,8 @@ class ParameterSet(Generic[Config]):
         logger = self._node.get_logger()
         for name in getattr(self._node, '_parameter_overrides', {}):
             if name in self._table or name in BUILT_IN or name in tables.KNOWN_NAMES:
+                continue
+            if name.startswith(QOS_PREFIX):
                 continue
             if tables.only_in_ros2_controllers(name):
                 logger.info(

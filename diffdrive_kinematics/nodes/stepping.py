@@ -26,6 +26,7 @@ from typing import Callable, List
 from diffdrive_kinematics.nodes.clocks import SteppedClock
 from diffdrive_kinematics.nodes.messages import set_stamp
 from diffdrive_kinematics.nodes.node import DiffDriveNode
+from diffdrive_kinematics.nodes.qos import reliable
 from diffdrive_kinematics.nodes.running import Stop
 from diffdrive_kinematics.nodes.traffic import Traffic
 from rclpy.executors import Executor
@@ -64,7 +65,7 @@ class Stepper:
         self._node, self._members = node, members
         self._stepped, self._traffic = stepped, traffic
         self._step_ns, self._factor = step_ns, real_time_factor
-        self._publisher = node.create_publisher(Clock, '/clock', 1)
+        self._publisher = node.publisher(Clock, '/clock', reliable(1))
         self._message = Clock()
         self._steps = 0
         self._began = 0.0
