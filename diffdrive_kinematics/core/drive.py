@@ -131,6 +131,8 @@ class Drive:
         Time of the ramp's next step; None: the twist is settled.
     saturated, limited : int
         How many commands or steps the wheel rate bound, or a limit, has cut.
+    timeouts : int
+        How many commands to move have ended because no other came.
 
     """
 
@@ -146,6 +148,7 @@ class Drive:
     step_ns: Optional[int] = None
     saturated: int = 0
     limited: int = 0
+    timeouts: int = 0
 
     def commanded(self, target: Twist, stamp_ns: int) -> Tuple['Drive', List[DriveTelling]]:
         """
@@ -185,7 +188,8 @@ class Drive:
             if event is None or event > now_ns:
                 return drive, changes
             if event == drive.deadline_ns:
-                drive = replace(drive, target=STILL, deadline_ns=None)
+                drive = replace(drive, target=STILL, deadline_ns=None,
+                                timeouts=drive.timeouts + (drive.target != STILL))
                 if drive.step_ns is not None:
                     continue
             drive, change = drive._stepped(max(event, drive.since_ns + 1))

@@ -23,6 +23,7 @@ from diffdrive_kinematics.core.playback import (
 from diffdrive_kinematics.core.sequence import Command
 from diffdrive_kinematics.core.square_course import square_course
 from diffdrive_kinematics.nodes.clocks import period_ns
+from diffdrive_kinematics.nodes.diagnostics import Diagnosis, Look, STALE, Trouble
 from diffdrive_kinematics.nodes.messages import TwistMessage
 from diffdrive_kinematics.nodes.node import DiffDriveNode
 from diffdrive_kinematics.nodes.recordings import COMMAND_COLUMNS, read_columns
@@ -171,11 +172,23 @@ class CommandSequence(DiffDriveNode[Config]):
             for subscription in self._answers.values():
                 self.unsubscribe(subscription)
             return True
-        missing = sorted(self._unanswered) or [f'a subscriber of {self._publisher.topic_name}']
         self.get_logger().info(
-            f"waiting for {', '.join(missing)}",
-            throttle_duration_sec=WAITING_REPORT_PERIOD_S, skip_first=True)
+            self._waiting(), throttle_duration_sec=WAITING_REPORT_PERIOD_S, skip_first=True)
         return False
+
+    def _waiting(self) -> str:
+        missing = sorted(self._unanswered) or [f'a subscriber of {self._publisher.topic_name}']
+        return f"waiting for {', '.join(missing)}"
+
+    def diagnosis(self, look: Look) -> Diagnosis:
+        """Return how far the course has come."""
+        elapsed = min(self.elapsed_s(), self.length_s)
+        return Diagnosis({
+            'state': 'done' if self.done else 'playing' if self.begun() else 'waiting',
+            'elapsed [s]': elapsed, 'length [s]': self.length_s,
+            'progress [%]': 100.0 * elapsed / self.length_s,
+            'achieved publish rate [Hz]': look.rate},
+            [] if self.begun() else [Trouble(STALE, self._waiting())])
 
     def _listen(self, topic: str, type_name: str) -> None:
         """Subscribe to a topic of whatever type until it answers."""
@@ -191,6 +204,7 @@ class CommandSequence(DiffDriveNode[Config]):
             message_type, topic, lambda _: self._unanswered.discard(topic), raw=True)
 
     def _send(self, stamp_ns: int, v: float, w: float) -> None:
+        self.sent += 1
         message = self._message.filled(stamp_ns, v, w)
         self._publisher.publish(message if self._stamped else message.twist)
 

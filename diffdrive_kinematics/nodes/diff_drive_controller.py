@@ -18,6 +18,7 @@ from dataclasses import dataclass
 from typing import Any, List, Mapping, Sequence
 
 from diffdrive_kinematics.core.drive import Drive, DriveSettings, DriveTelling, Twist
+from diffdrive_kinematics.nodes.diagnostics import Diagnosis, heard_values, Look, silence, slowness
 from diffdrive_kinematics.nodes.messages import (
     nanoseconds, TwistMessage, WheelCommandMessage, WheelMessage)
 from diffdrive_kinematics.nodes.node import DiffDriveNode
@@ -104,11 +105,13 @@ class DiffDriveController(DiffDriveNode[Config]):
         if self._watchdog:
             self._watchdog.reset()
         stamp_ns, twist = now_ns, message
+        own_ns = 0
         if self._stamped:
             twist = message.twist
             own_ns = nanoseconds(message.header.stamp)
             if 0 <= now_ns - own_ns <= self.config.stamp_tolerance_ns and own_ns:
                 stamp_ns = own_ns
+        self.heard.note(now_ns, own_ns or now_ns)
         try:
             self._command(Twist(twist.linear.x, twist.angular.z), stamp_ns)
         except ValueError:
@@ -147,6 +150,7 @@ class DiffDriveController(DiffDriveNode[Config]):
         """Publish; the first message has no positions and is the baseline for the others'."""
         for telling in tellings:
             first = self._told_ns < 0
+            self.sent += 1
             self._told_ns = telling.stamp_ns
             self._wheels_publisher.publish(self._wheels.filled(
                 telling.stamp_ns, telling.rates, None if first else telling.angles))
@@ -179,6 +183,17 @@ class DiffDriveController(DiffDriveNode[Config]):
                 f"'{self.command_topic()}' carries {', '.join(sorted(others))}, expected "
                 f'{self.command_type()}: is enable_stamped_cmd_vel (now '
                 f'{str(self._stamped).lower()}) set as it should be?')
+
+    def diagnosis(self, look: Look) -> Diagnosis:
+        """Return how commands come in and rates go out."""
+        values, drive = self.config.values, self._drive
+        return Diagnosis({
+            **heard_values(self.heard, look.now_ns, 'command'),
+            'achieved publish rate [Hz]': look.rate, 'saturated': drive.saturated,
+            'limited': drive.limited, 'timeouts': drive.timeouts}, [
+                *silence(self.heard, look.now_ns, values['cmd_vel_timeout'],
+                         self.command_topic()),
+                *slowness(look, values['publish_rate'])])
 
     def last_word(self) -> Sequence[Publisher]:
         """Leave the wheels with the command to stand still."""

@@ -27,7 +27,9 @@ from diffdrive_kinematics.core.projection import sample_paths, travel_of_command
 from diffdrive_kinematics.core.reachable import reachable_set_from_slip
 from diffdrive_kinematics.core.sequence import Command
 from diffdrive_kinematics.core.wheel_motion import timeout_from_seconds
-from diffdrive_kinematics.nodes.messages import pose_from_odometry, WheelReader
+from diffdrive_kinematics.nodes.diagnostics import (
+    Diagnosis, heard_values, Look, silence, stamp_values)
+from diffdrive_kinematics.nodes.messages import nanoseconds, pose_from_odometry, WheelReader
 from diffdrive_kinematics.nodes.node import DiffDriveNode
 from diffdrive_kinematics.nodes.projection_messages import PolygonMessage, PosesMessage
 from diffdrive_kinematics.nodes.running import main_of
@@ -93,6 +95,8 @@ class ForwardProjection(DiffDriveNode[Config]):
 
     def _on_odometry(self, message: Odometry) -> None:
         self._odometry = message, pose_from_odometry(message)
+        stamp_ns = nanoseconds(message.header.stamp)
+        self.heard.note(stamp_ns, stamp_ns)
 
     def _on_wheels(self, message: JointState) -> None:
         now_ns = self._synchronised_now()
@@ -112,6 +116,7 @@ class ForwardProjection(DiffDriveNode[Config]):
         (odometry, pose), self._odometry = self._odometry, None
         try:
             self._project(odometry, pose, self._commands(now_ns))
+            self.sent += 1
         except ValueError as error:
             self.refuse(f'to project: {error}')
 
@@ -133,6 +138,15 @@ class ForwardProjection(DiffDriveNode[Config]):
             travels = [travel_of_command(command, config.geometry) for command in commands]
             x, y = reachable_set_from_slip(pose, travels, config.geometry, *config.slips)
             self._boundary_publisher.publish(self._polygon_message.filled(odometry.header, x, y))
+
+    def diagnosis(self, look: Look) -> Diagnosis:
+        """Return how odometry comes in and projections go out."""
+        values = self.config.values
+        return Diagnosis({
+            **heard_values(self.heard, look.now_ns, 'odometry'),
+            'achieved projection rate [Hz]': look.rate, **stamp_values(self.counts)}, silence(
+                self.heard, look.now_ns, values['command_timeout'],
+                self.resolve_topic_name(values['odom_topic'])))
 
     def _synchronised_now(self) -> int:
         now_ns, step_ns = self.now_and_step()

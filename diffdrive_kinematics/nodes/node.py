@@ -18,8 +18,10 @@ from collections import Counter
 import time
 from typing import Any, Callable, Dict, Generic, Mapping, Optional, Sequence, Set, Tuple, TypeVar
 
+from diagnostic_msgs.msg import DiagnosticArray
 from diffdrive_kinematics.core.wheel_motion import Verdict
 from diffdrive_kinematics.nodes.clocks import period_ns, SteppedClock, StepWatch
+from diffdrive_kinematics.nodes.diagnostics import Diagnosis, Heard, Look, Reporter, TOPIC
 from diffdrive_kinematics.nodes.parameters import ConfigurationError, ParameterSet
 from diffdrive_kinematics.nodes.qos import (
     check_delivery, Override, overrides_from, overriding_options, reliable)
@@ -45,6 +47,7 @@ VERDICTS = {  # where it was seen, and what was done
     Verdict.OUT_OF_ORDER: ('stamps', 'dropped'),
     Verdict.CLOCK_STEP: ('stamps', 'nothing integrated'),
     Verdict.JUMPED: ('positions', 'they count anew, max_encoder_rate is exceeded')}
+HARDWARE = 'robot'  # what a node without a namespace belongs to
 LAST_WORD_PERIOD = Duration(nanoseconds=20_000_000)
 UNACKNOWLEDGED_WORDS = 3  # how often the last word is said where nobody acknowledges
 HEARTBEAT_S = 3.0  # the longest that DDS waits before it asks for acknowledgement
@@ -85,7 +88,9 @@ class DiffDriveNode(Node, Generic[Config]):
         self.done = False
         self._topics: Set[str] = set()
         self._qos_overrides = self._judged_overrides()
+        self.heard, self.sent = Heard(), 0
         self.parameters: ParameterSet[Config] = ParameterSet(self, table, build)
+        self._start_diagnostics(self.parameters.values.get('diagnostics_rate', 0.0))
 
     @property
     def config(self) -> Config:
@@ -235,6 +240,25 @@ class DiffDriveNode(Node, Generic[Config]):
             self._traffic.remove_listener(subscription.topic_name)
         self._topics.discard(subscription.topic_name)
         self.destroy_subscription(subscription)
+
+    def _start_diagnostics(self, rate: float) -> None:
+        if rate:
+            self._reporter = Reporter(
+                self.get_fully_qualified_name(), self.get_namespace().strip('/') or HARDWARE,
+                self.publisher(DiagnosticArray, TOPIC))
+            self.every(rate, self._report)
+
+    def _report(self) -> None:
+        """Publish how the node is."""
+        look = self._reporter.look(self.now_ns(), self.sent)
+        values, troubles = self.diagnosis(look)
+        self._reporter.report(look.now_ns, Diagnosis(
+            {**values, 'refused': self.counts['refused'],
+             'clock steps': self.counts['clock steps']}, troubles))
+
+    def diagnosis(self, look: Look) -> Diagnosis:
+        """Return what only this node can tell about its health."""
+        return Diagnosis({}, [])
 
     def refuse(self, reason: str) -> None:
         """Count and report what was refused; at most one report a second."""

@@ -127,6 +127,11 @@ class ParameterSet(Generic[Config]):
         """Return the configuration in force."""
         return self._judged.config
 
+    @property
+    def values(self) -> Mapping[str, Any]:
+        """Return the values in force, by name."""
+        return self._judged.values
+
     def on_change(self, apply: Callable[[Config], None]) -> None:
         """Call ``apply`` with the new configuration after each accepted change."""
         self._on_change = apply

@@ -28,6 +28,8 @@ from diffdrive_kinematics.core.frames import composed, inverted, OdometryHistory
 from diffdrive_kinematics.core.geometry import WheelGeometry
 from diffdrive_kinematics.core.planar import planar_pose
 from diffdrive_kinematics.core.wheel_motion import Pair, timeout_from_seconds
+from diffdrive_kinematics.nodes.diagnostics import (
+    Diagnosis, heard_values, Look, silence, slowness, stamp_values)
 from diffdrive_kinematics.nodes.messages import (
     given_pose, nanoseconds, OdometryMessage, WheelMessage, WheelReader)
 from diffdrive_kinematics.nodes.node import DiffDriveNode
@@ -139,6 +141,7 @@ class SimulatedBase(DiffDriveNode[Config]):
         sample = self._reader.read(message, lambda: now_ns)
         if sample is None:
             return
+        self.heard.note(now_ns, sample.stamp_ns)
         self._odometry, verdict = self._odometry.received(sample, now_ns)
         self.judge(verdict, self.config.values['wheel_motion_topic'])
         if self._map_odom:
@@ -193,6 +196,7 @@ class SimulatedBase(DiffDriveNode[Config]):
                 f"waiting for wheel motion of our joints on '{topic}'",
                 throttle_duration_sec=WAITING_REPORT_PERIOD_S, skip_first=True)
             return
+        self.sent += 1
         reading = self._odometry.at(now_ns)
         message = self._message.filled(now_ns, reading)
         if self._publisher:
@@ -203,6 +207,18 @@ class SimulatedBase(DiffDriveNode[Config]):
                 self._wheels.filled(now_ns, reading.rates, reading.angles))
         if self._transform:
             self._transform.publish(message)
+
+    def diagnosis(self, look: Look) -> Diagnosis:
+        """Return how wheel motion comes in and odometry goes out."""
+        values = self.config.values
+        return Diagnosis({
+            **heard_values(self.heard, look.now_ns, 'wheel motion'),
+            'achieved odometry rate [Hz]': look.rate, **stamp_values(self.counts),
+            'last now - stamp [s]': self.heard.skew_ns / 1e9,
+            'largest now - stamp [s]': self.heard.largest_skew_ns / 1e9}, [
+                *silence(self.heard, look.now_ns, values['command_timeout'],
+                         self.resolve_topic_name(values['wheel_motion_topic'])),
+                *slowness(look, values['publish_rate'])])
 
     def _synchronised_now(self) -> int:
         now_ns, step_ns = self.now_and_step()

@@ -69,6 +69,11 @@ class Entry:
     required: bool = False
 
 
+def _check_rate_or_off(name: str, value: float) -> None:
+    if value:
+        check_rate(name, value)
+
+
 def _check_joint_names(name: str, value: Tuple[str, ...]) -> None:
     if not value or not all(value) or len(set(value)) != len(value):
         raise ValueError(f'{name} is {list(value)!r}, expected one or more different joint names')
@@ -184,6 +189,9 @@ def _topic(name: str, default: str, description: str, *, optional: bool = False)
         name, default, description, _check_optional_topic if optional else _check_topic)
 
 
+_DIAGNOSTICS = Entry(
+    'diagnostics_rate', 1.0, 'rate [Hz] of the status on /diagnostics; 0: off',
+    check=_check_rate_or_off, read_only=True)
 _JOINTS = (
     Entry('left_wheel_names', ['left_wheel_joint'], 'joints of the left wheels', Kind.STRINGS,
           _check_joint_names, read_only=True),
@@ -278,7 +286,7 @@ DIFF_DRIVE_CONTROLLER = (
     Entry('max_wheel_rate', math.nan, 'bound [rad/s] of all wheels; beyond it both sides are '
           'scaled by one factor, so that the path keeps its curvature; NaN: none'),
     _string('base_frame_id', 'base_link', 'frame of the limited velocity', _check_named),
-    *_axis_entries())
+    *_axis_entries(), _DIAGNOSTICS)
 
 WHEEL_NOISE = (
     *_RADII, *_JOINTS,
@@ -294,7 +302,8 @@ WHEEL_NOISE = (
     Entry('seed', 0, 'of the random generator, 0 or above; setting another one starts anew',
           Kind.INTEGER, _check_seed),
     Entry('command_timeout', 0.5, 'silence [s] over which rates are held at most; as in '
-          'simulated_base; 0: any', check=check_duration))
+          'simulated_base; 0: any', check=check_duration),
+    _DIAGNOSTICS)
 
 _START = (
     Entry('initial_pose', [0.0, 0.0, 0.0], 'x [m], y [m], yaw [rad] at start', Kind.DOUBLES,
@@ -347,7 +356,8 @@ SIMULATED_BASE = (
     Entry('pose_covariance_diagonal', [0.0] * 6, 'variances of the pose to publish instead of '
           'those of the slip; zeros: do not', Kind.DOUBLES, _check_diagonal),
     Entry('twist_covariance_diagonal', [0.0] * 6, 'variances of the twist to publish instead of '
-          'those of the slip; zeros: do not', Kind.DOUBLES, _check_diagonal))
+          'those of the slip; zeros: do not', Kind.DOUBLES, _check_diagonal),
+    _DIAGNOSTICS)
 
 _SQUARE = (
     Entry('square_side', 0.0, 'side [m] of the square of UMBmark; 0: none',
@@ -376,7 +386,8 @@ COMMAND_SEQUENCE = (
     Entry('publish_rate', 50.0, 'rate [Hz] at which a held command is repeated',
           check=check_rate, read_only=True),
     Entry('wait_for_topics', [], 'topics that must have answered before the first command; '
-          'until then zeros are sent', Kind.STRINGS, read_only=True))
+          'until then zeros are sent', Kind.STRINGS, read_only=True),
+    _DIAGNOSTICS)
 
 FORWARD_PROJECTION = (
     *_GEOMETRY, *_JOINTS,
@@ -395,7 +406,7 @@ FORWARD_PROJECTION = (
     Entry('samples', 200, 'number of poses', Kind.INTEGER, _check_count),
     Entry('seed', 0, 'of the samples; the same each time, so that they move with the robot',
           Kind.INTEGER, _check_seed),
-    *_SLIP, _DISTRIBUTION)
+    *_SLIP, _DISTRIBUTION, _DIAGNOSTICS)
 
 PLOT_PATHS = (
     *_SEPARATION,

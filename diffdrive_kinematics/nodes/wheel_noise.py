@@ -19,6 +19,8 @@ from typing import Any, Mapping
 
 from diffdrive_kinematics.core.slip_stream import SlipStream
 from diffdrive_kinematics.core.wheel_motion import timeout_from_seconds
+from diffdrive_kinematics.nodes.diagnostics import (
+    Diagnosis, heard_values, Look, silence, stamp_values)
 from diffdrive_kinematics.nodes.messages import WheelMessage, WheelReader
 from diffdrive_kinematics.nodes.node import DiffDriveNode
 from diffdrive_kinematics.nodes.running import main_of
@@ -66,11 +68,22 @@ class WheelNoise(DiffDriveNode[Config]):
         sample = self._reader.read(message, self.now_ns)
         if sample is None:
             return
+        self.heard.note(sample.stamp_ns, sample.stamp_ns)
         self._stream, noisy, verdict = self._stream.passed(sample, self._generator)
         self.judge(verdict, self.config.values['input_topic'])
         if noisy is not None:
+            self.sent += 1
             self._publisher.publish(
                 self._wheels.filled(noisy.stamp_ns, noisy.rates, noisy.positions))
+
+    def diagnosis(self, look: Look) -> Diagnosis:
+        """Return how wheel motion passes through; its age is that of its stamp."""
+        values = self.config.values
+        return Diagnosis({
+            **heard_values(self.heard, look.now_ns, 'wheel motion'), 'sent': self.sent,
+            **stamp_values(self.counts)}, silence(
+                self.heard, look.now_ns, values['command_timeout'],
+                self.resolve_topic_name(values['input_topic'])))
 
     def _configure(self, config: Config) -> None:
         new = config.stream

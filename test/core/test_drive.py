@@ -371,3 +371,9 @@ def test_a_change_of_the_rate_during_a_ramp_does_not_make_it_steeper(rate):
         seconds = (after.stamp_ns - before.stamp_ns) / 1e9
         assert after.twist.v - before.twist.v <= seconds * (1.0 + 1e-9)
     assert told[-1].twist.v == 3.0
+
+
+def test_a_timeout_counts_where_it_ended_a_command_to_move():
+    course = [(0, AHEAD), (2 * S, STILL), (4 * S, AHEAD), (4 * S + 400 * MS, AHEAD)]
+    assert [driven(PLAIN, course[:n], 8 * S)[0].timeouts for n in (1, 2, 3, 4)] == [1, 1, 2, 2]
+    assert driven(ENDLESS, course, 8 * S)[0].timeouts == 0

@@ -1,0 +1,193 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+"""What the nodes tell about their health on /diagnostics."""
+
+import math
+
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from diffdrive_kinematics.nodes.diagnostics import (
+    Diagnosis, Heard, Look, Reporter, silence, slowness, Trouble)
+from geometry_msgs.msg import Twist
+from graph import KHEPERA, set_stamp, stamp_ns, twist
+from nav_msgs.msg import Odometry
+import pytest
+from sensor_msgs.msg import JointState
+
+CONTROLLER = 'diff_drive_controller'
+JOINTS = ['left_wheel_joint', 'right_wheel_joint']
+OK, WARN, ERROR, STALE = (
+    DiagnosticStatus.OK, DiagnosticStatus.WARN, DiagnosticStatus.ERROR, DiagnosticStatus.STALE)
+NODES = {
+    CONTROLLER: KHEPERA, 'wheel_noise': {'wheel_radius': 0.021}, 'simulated_base': KHEPERA,
+    'command_sequence': {'commands': [0.1, 0.0, 60.0]}, 'forward_projection': KHEPERA}
+FAST = {'diagnostics_rate': 20.0}
+
+
+class Listeners:
+    """Stands in for a publisher."""
+
+    def __init__(self, count=1):
+        self.count, self.levels, self.messages = count, [], []
+
+    def get_subscription_count(self):
+        return self.count
+
+    def publish(self, message):
+        self.levels.append(message.status[0].level)
+        self.messages.append(message.status[0].message)
+
+
+def collect(graph, name):
+    """Return a list to which each status of a node is added, as (level, message, values)."""
+    statuses = []
+
+    def handle(message):
+        statuses.extend(
+            (status.level, status.message, {pair.key: pair.value for pair in status.values})
+            for status in message.status if status.name == name)
+
+    graph.collect(DiagnosticArray, '/diagnostics', handle)
+    return statuses
+
+
+def wait_for_level(graph, statuses, level, words=''):
+    return graph.wait_for(
+        lambda: next((status for status in reversed(statuses)
+                      if status[0] == level and words in status[1]), None),
+        f'level {level} with {words!r} in {statuses[-1:]}')
+
+
+@pytest.mark.parametrize('name', NODES)
+def test_every_node_tells_its_health_on_the_absolute_topic_under_its_full_name(graph, name):
+    arrays = graph.collect(DiagnosticArray, '/diagnostics')
+    graph.start(name, {**NODES[name], **FAST}, '-r', '__ns:=/robot1')
+    (status,) = graph.wait_for(lambda: arrays, 'diagnostics')[-1].status
+    assert (status.name, status.hardware_id) == (f'/robot1/{name}', 'robot1')
+    assert status.level == STALE
+    assert 'yet' in status.message or 'waiting for' in status.message
+    assert 'refused' in {pair.key for pair in status.values}
+
+
+def test_a_rate_of_zero_is_off(graph):
+    graph.start(CONTROLLER, {**KHEPERA, 'diagnostics_rate': 0.0})
+    rates = graph.collect(JointState, 'wheel_rates')
+    graph.wait_for(lambda: rates, 'the controller')
+    assert graph.node.count_publishers('/diagnostics') == 0
+
+
+def test_the_controller_tells_of_commands_timeouts_cuts_and_refusals(graph):
+    graph.start(CONTROLLER, {
+        **KHEPERA, 'diagnostics_rate': 5.0, 'max_wheel_rate': 5.0,
+        'linear.x.max_velocity': 0.2})
+    statuses = collect(graph, f'/{CONTROLLER}')
+    wait_for_level(graph, statuses, STALE, "nothing heard on '/cmd_vel' yet")
+    commands = graph.publisher(Twist, 'cmd_vel')
+    sent = 0
+
+    def driving():
+        nonlocal sent
+        commands.publish(twist(0.5, 0.0))
+        sent += 1
+        return statuses[-1][0] == OK and float(statuses[-1][2]['saturated']) > 0
+
+    graph.wait_for(driving, 'a healthy controller')
+    level, message, values = statuses[-1]
+    assert message == 'ok'
+    assert 0 < int(values['command messages']) <= sent
+    assert int(values['limited']) > 0 and int(values['timeouts']) == 0
+    assert 0.0 <= float(values['age of the last command [s]']) < 0.5
+    assert float(values['achieved publish rate [Hz]']) > 0.8 * 50.0
+    message, values = wait_for_level(graph, statuses, WARN, 'timeouts: 1 more')[1:]
+    assert values['timeouts'] == '1'
+    wait_for_level(graph, statuses, STALE, "nothing heard on '/cmd_vel' for")
+    commands.publish(twist(math.nan, 0.0))
+    values = wait_for_level(graph, statuses, ERROR, 'refused: 1 more, 1 in all')[2]
+    assert values['refused'] == '1'
+
+
+def test_the_base_tells_of_wheel_motion_its_stamps_and_its_rate(graph):
+    graph.start('simulated_base', {
+        **KHEPERA, 'enable_odom_tf': False, 'command_timeout': 0.0, **FAST})
+    statuses = collect(graph, '/simulated_base')
+    odometry = graph.collect(Odometry, 'odom')
+    wait_for_level(graph, statuses, STALE, "nothing heard on '/wheel_rates' yet")
+    wheels = graph.publisher(JointState, 'wheel_rates')
+    late = graph.now_ns() - 700_000_000
+    for offset, angle in ((0, 0.0), (100_000_000, 1.0), (50_000_000, 0.5), (-1, 0.0)):
+        message = JointState(name=JOINTS, position=[angle, angle])
+        set_stamp(message, late + offset)
+        wheels.publish(message)
+    wait_for_level(graph, statuses, WARN, 'out of order: ')
+    values = wait_for_level(graph, statuses, OK)[2]
+    assert values['wheel motion messages'] == '4'
+    assert 0.7 <= float(values['largest now - stamp [s]']) < 60.0
+    assert int(values['out of order']) >= 1 and values['clock steps in stamps'] == '0'
+    assert float(values['age of the last wheel motion [s]']) >= 0.0
+    assert odometry
+
+
+def test_in_fast_mode_diagnostics_follow_the_stepped_clock_and_show_progress(graph):
+    arrays = graph.collect(DiagnosticArray, '/diagnostics')
+    sim = graph.start('diffdrive_sim', {'real_time_factor': 0.0})
+    graph.wait_for(lambda: not sim.running, 'the course')
+    graph.wait_for(lambda: arrays, 'diagnostics')
+    assert all(stamp_ns(array) % 10**9 == 0 for array in arrays)
+    names = {array.status[0].name for array in arrays}
+    assert names == {'/diff_drive_controller', '/wheel_noise', '/simulated_base', '/ground_truth',
+                     '/command_sequence'}
+    progress = [float(pair.value) for array in arrays for pair in array.status[0].values
+                if pair.key == 'progress [%]']
+    assert progress == sorted(progress) and max(progress) > 50.0
+    late = [array.status[0] for array in arrays if stamp_ns(array) > 10 * 10**9]
+    assert {status.level for status in late} == {OK}, [status.message for status in late]
+
+
+def test_what_has_grown_since_the_last_look_is_trouble_once_the_worst_first():
+    listeners = Listeners()
+    reporter = Reporter('/node', 'robot', listeners)
+    stale = [Trouble(STALE, 'silence')]
+    for refused, order, troubles in ((0, 0, []), (2, 1, stale), (2, 1, stale), (2, 3, [])):
+        reporter.report(1, Diagnosis({'refused': refused, 'out of order': order}, troubles))
+    assert listeners.levels == [OK, ERROR, STALE, WARN]
+    assert listeners.messages == [
+        'ok', 'refused: 2 more, 2 in all; out of order: 1 more, 1 in all; silence', 'silence',
+        'out of order: 2 more, 3 in all']
+
+
+def test_nothing_is_published_where_nobody_listens():
+    listeners = Listeners(count=0)
+    Reporter('/node', 'robot', listeners).report(1, Diagnosis({'refused': 3}, []))
+    assert listeners.levels == []
+
+
+def test_a_rate_is_what_was_sent_since_the_last_look_and_judged_where_there_is_enough_of_it():
+    reporter = Reporter('/node', 'robot', Listeners())
+    assert reporter.look(10**9, 0).rate is None
+    assert reporter.look(2 * 10**9, 3).rate is None  # it began in between
+    assert reporter.look(3 * 10**9, 53) == Look(3 * 10**9, 50.0, 1.0)
+    assert reporter.look(3 * 10**9, 60).rate is None
+    assert slowness(Look(0, 39.0, 1.0), 50.0) == [
+        Trouble(WARN, 'publishes at 39.0 Hz, set to 50.0')]
+    assert slowness(Look(0, 41.0, 1.0), 50.0) == slowness(Look(0, 0.0, 1.0), 4.0) == []
+
+
+def test_the_skew_of_stamps_is_kept_with_its_sign_and_its_largest():
+    heard = Heard()
+    assert heard.age(5) is None and silence(heard, 5, 1.0, 'in')[0].level == STALE
+    for now, stamp in ((10, 9), (20, 25), (30, 28)):
+        heard.note(now, stamp)
+    assert (heard.count, heard.skew_ns, heard.largest_skew_ns) == (3, 2, -5)
+    assert heard.age(30 + 2 * 10**9) == 2.0
+    assert silence(heard, 31, 1.0, 'in') == silence(heard, 9 * 10**9, 0.0, 'in') == []
+    assert 'for 2.0 s' in silence(heard, 30 + 2 * 10**9, 1.0, 'in')[0].message
