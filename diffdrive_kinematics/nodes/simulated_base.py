@@ -33,6 +33,7 @@ from diffdrive_kinematics.nodes.diagnostics import (
 from diffdrive_kinematics.nodes.messages import (
     given_pose, nanoseconds, OdometryMessage, WheelMessage, WheelReader)
 from diffdrive_kinematics.nodes.node import DiffDriveNode
+from diffdrive_kinematics.nodes.path import PathPublisher
 from diffdrive_kinematics.nodes.running import main_of
 from diffdrive_kinematics.nodes.tables import (
     check_sides, check_wiring, SIMULATED_BASE, wheel_geometry)
@@ -59,7 +60,7 @@ class Config:
 
 def build(values: Mapping[str, Any]) -> Config:
     """Return the configuration of parameter values, or raise ``ValueError``."""
-    check_wiring(values, 'wheel_motion_topic', ('odom_topic', 'joint_states_topic'))
+    check_wiring(values, 'wheel_motion_topic', ('odom_topic', 'joint_states_topic', 'path_topic'))
     check_sides(values)
     if values['enable_odom_tf'] and values['publish_map_odom_tf']:
         raise ValueError(
@@ -121,6 +122,7 @@ class SimulatedBase(DiffDriveNode[Config]):
         self._history = OdometryHistory((self._odometry,))
         if self._map_odom:
             self.subscribe(Odometry, values['belief_topic'], self._on_belief)
+        self._path = PathPublisher(self, values) if values['path_topic'] else None
         self.subscribe(JointState, values['wheel_motion_topic'], self._on_wheels)
         topic = values['set_pose_topic']
         if topic:
@@ -207,6 +209,8 @@ class SimulatedBase(DiffDriveNode[Config]):
                 self._wheels.filled(now_ns, reading.rates, reading.angles))
         if self._transform:
             self._transform.publish(message)
+        if self._path:
+            self._path.add(now_ns, reading.pose)
 
     def diagnosis(self, look: Look) -> Diagnosis:
         """Return how wheel motion comes in and odometry goes out."""

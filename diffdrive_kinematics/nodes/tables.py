@@ -357,6 +357,13 @@ SIMULATED_BASE = (
           'those of the slip; zeros: do not', Kind.DOUBLES, _check_diagonal),
     Entry('twist_covariance_diagonal', [0.0] * 6, 'variances of the twist to publish instead of '
           'those of the slip; zeros: do not', Kind.DOUBLES, _check_diagonal),
+    _topic('path_topic', '', 'the way that was come out, Path; empty: off', optional=True),
+    Entry('path_length', 1000, 'how many poses the path has at most; the oldest go',
+          Kind.INTEGER, _check_count, read_only=True),
+    Entry('path_spacing', 0.02, 'least distance [m] between poses of the path',
+          check=check_non_negative, read_only=True),
+    Entry('path_rate', 2.0, 'rate [Hz] at which the path is published, where it has changed',
+          check=check_rate, read_only=True),
     _DIAGNOSTICS)
 
 _SQUARE = (

@@ -1,0 +1,76 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+"""The way that a base has come, as a nav_msgs/Path: bounded, thinned out, and told slowly."""
+
+from collections import deque
+import math
+from typing import Any, Deque, Mapping, Optional, TYPE_CHECKING
+
+from diffdrive_kinematics.core.arc import Pose
+from diffdrive_kinematics.nodes.messages import set_stamp
+from geometry_msgs.msg import PoseStamped
+from nav_msgs.msg import Path
+
+if TYPE_CHECKING:
+    from diffdrive_kinematics.nodes.node import DiffDriveNode
+
+__all__ = ['PathPublisher']
+
+
+class PathPublisher:
+    """
+    Keeps the last poses of a base, and publishes them where they have changed.
+
+    Parameters
+    ----------
+    node : DiffDriveNode
+        The node that publishes.
+    values : mapping
+        Its parameters: ``path_topic``, ``path_length``, ``path_spacing``, ``path_rate``.
+
+    """
+
+    def __init__(self, node: 'DiffDriveNode[Any]', values: Mapping[str, Any]) -> None:
+        self._spacing = values['path_spacing']
+        self._poses: Deque[PoseStamped] = deque(maxlen=values['path_length'])
+        self._last: Optional[Pose] = None
+        self._message = Path()
+        self._message.header.frame_id = values['odom_frame_id']
+        self._told_to = 0
+        self._publisher = node.publisher(Path, values['path_topic'])
+        node.every(values['path_rate'], self._tell)
+
+    def add(self, time_ns: int, pose: Pose) -> None:
+        """Add a pose where it is far enough from the last one."""
+        if self._last is not None and math.hypot(
+                pose.x - self._last.x, pose.y - self._last.y) < self._spacing:
+            return
+        self._last = pose
+        stamped = PoseStamped()
+        stamped.header.frame_id = self._message.header.frame_id
+        set_stamp(stamped.header.stamp, time_ns)
+        stamped.pose.position.x, stamped.pose.position.y = float(pose.x), float(pose.y)
+        stamped.pose.orientation.z = math.sin(0.5 * pose.theta)
+        stamped.pose.orientation.w = math.cos(0.5 * pose.theta)
+        self._poses.append(stamped)
+        set_stamp(self._message.header.stamp, time_ns)
+        self._told_to = 0
+
+    def _tell(self) -> None:
+        """Publish what somebody has not heard yet; a long path costs milliseconds."""
+        listeners = self._publisher.get_subscription_count()
+        if self._poses and listeners > self._told_to:
+            self._message.poses = list(self._poses)
+            self._publisher.publish(self._message)
+        self._told_to = listeners
