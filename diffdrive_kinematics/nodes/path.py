@@ -38,18 +38,26 @@ class PathPublisher:
         The node that publishes.
     values : mapping
         Its parameters: ``path_topic``, ``path_length``, ``path_spacing``, ``path_rate``.
+    frame_id : str
+        Of the poses.
 
     """
 
-    def __init__(self, node: 'DiffDriveNode[Any]', values: Mapping[str, Any]) -> None:
+    def __init__(
+            self, node: 'DiffDriveNode[Any]', values: Mapping[str, Any], frame_id: str) -> None:
         self._spacing = values['path_spacing']
         self._poses: Deque[PoseStamped] = deque(maxlen=values['path_length'])
         self._last: Optional[Pose] = None
         self._message = Path()
-        self._message.header.frame_id = values['odom_frame_id']
+        self._message.header.frame_id = frame_id
         self._told_to = 0
         self._publisher = node.publisher(Path, values['path_topic'])
         node.every(values['path_rate'], self._tell)
+
+    def begin_anew(self) -> None:
+        """Forget the way so far: a robot that was put elsewhere did not drive there."""
+        self._poses.clear()
+        self._last = None
 
     def add(self, time_ns: int, pose: Pose) -> None:
         """Add a pose where it is far enough from the last one."""

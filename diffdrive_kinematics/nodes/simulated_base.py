@@ -122,7 +122,8 @@ class SimulatedBase(DiffDriveNode[Config]):
         self._history = OdometryHistory((self._odometry,))
         if self._map_odom:
             self.subscribe(Odometry, values['belief_topic'], self._on_belief)
-        self._path = PathPublisher(self, values) if values['path_topic'] else None
+        self._path = PathPublisher(
+            self, values, self._message.frame_id) if values['path_topic'] else None
         self.subscribe(JointState, values['wheel_motion_topic'], self._on_wheels)
         topic = values['set_pose_topic']
         if topic:
@@ -169,17 +170,21 @@ class SimulatedBase(DiffDriveNode[Config]):
 
     def _on_pose(self, message: PoseWithCovarianceStamped) -> None:
         pose, covariance = given_pose(message, self._message.frame_id)
-        self._odometry = self._odometry.placed_at(pose, covariance, self._synchronised_now())
-        self._history = OdometryHistory((self._odometry,))
+        self._place(self._odometry.placed_at(pose, covariance, self._synchronised_now()))
         self._report_place(f"set on '{self.config.values['set_pose_topic']}'")
 
     def _on_reset(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
         pose, covariance = _start(self.config.values)
-        self._odometry = self._odometry.placed_at(
-            pose, covariance, self._synchronised_now(), keep_angles=False)
-        self._history = OdometryHistory((self._odometry,))
+        self._place(self._odometry.placed_at(
+            pose, covariance, self._synchronised_now(), keep_angles=False))
         response.success, response.message = True, self._report_place('reset')
         return response
+
+    def _place(self, odometry: core.Odometry) -> None:
+        self._odometry = odometry
+        self._history = OdometryHistory((odometry,))
+        if self._path:
+            self._path.begin_anew()
 
     def _report_place(self, how: str) -> str:
         """Log the pose that was set, and return what was logged."""

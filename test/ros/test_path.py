@@ -15,6 +15,7 @@
 
 import math
 
+from geometry_msgs.msg import PoseWithCovarianceStamped
 from graph import KHEPERA, set_stamp, stamp_ns
 from nav_msgs.msg import Odometry, Path
 import pytest
@@ -108,3 +109,19 @@ def test_the_demo_shows_the_paths_of_belief_and_truth(graph):
     assert spots(beliefs[-1])[0] == spots(truths[-1])[0] == (0.0, 0.0)
     assert len(beliefs[-1].poses) > 40
     assert spots(beliefs[-1])[-1] != spots(truths[-1])[-1]
+
+
+def test_a_robot_that_is_put_elsewhere_has_a_path_from_there_on_in_its_prefixed_frame(graph):
+    graph.start('simulated_base', {
+        **SETTINGS, 'path_spacing': 0.01, 'tf_frame_prefix_enable': True,
+        'tf_frame_prefix': 'r2/'})
+    paths = graph.collect(Path, 'way')
+    roll(graph, 5.0)
+    graph.wait_for(lambda: paths and len(paths[-1].poses) > 3, 'a path of some poses')
+    assert paths[-1].header.frame_id == 'r2/map'
+    place = PoseWithCovarianceStamped()
+    place.header.frame_id = 'r2/map'
+    place.pose.pose.position.x, place.pose.pose.orientation.w = 50.0, 1.0
+    graph.publisher(PoseWithCovarianceStamped, 'set_pose').publish(place)
+    graph.wait_for(lambda: spots(paths[-1])[-1][0] >= 50.0, 'the path from there')
+    assert all(x >= 50.0 for x, _ in spots(paths[-1]))
