@@ -153,9 +153,10 @@ class WheelReader:
     def _followed(self, message: JointState) -> Sequence[float]:
         """Return the positions of a message without their wraps; each source counts anew."""
         positions = message.position
-        ours = [positions[i] for side in self._indices for i in side if i < len(positions)]
-        if not self._track.period or len(positions) != len(self._known_names) or not all(
-                map(math.isfinite, ours)):
+        if not self._track.period or len(positions) != len(self._known_names):
+            return positions
+        ours = [positions[i] for side in self._indices for i in side]
+        if not all(map(math.isfinite, ours)):
             return positions
         source = message.header.frame_id
         track = self._track if source == self._source else self._fresh_track

@@ -20,6 +20,7 @@ from graph import KHEPERA, set_stamp, stamp_ns
 from nav_msgs.msg import Odometry, Path
 import pytest
 from sensor_msgs.msg import JointState
+from std_msgs.msg import Empty
 
 JOINTS = ['left_wheel_joint', 'right_wheel_joint']
 SETTINGS = {
@@ -101,13 +102,16 @@ def test_a_bad_setting_of_the_path_is_refused(graph, name, value, words):
 
 def test_the_demo_shows_the_paths_of_belief_and_truth(graph):
     beliefs, truths = graph.collect(Path, 'path'), graph.collect(Path, 'ground_truth_path')
-    sim = graph.start('diffdrive_sim', {'real_time_factor': 0.0})
+    go = graph.publisher(Empty, 'go', listeners=0)
+    sim = graph.start('diffdrive_sim', {'real_time_factor': 0.0}, '-p',
+                      "command_sequence:wait_for_topics:=['odom', 'ground_truth', 'go']")
+    graph.wait_for(lambda: beliefs and truths, 'paths')
+    go.publish(Empty())
     graph.wait_for(lambda: not sim.running, 'the course')
     assert sim.wait() == 0
-    graph.wait_for(lambda: beliefs and truths, 'paths')
+    graph.wait_for(lambda: len(beliefs[-1].poses) > 40 and len(truths[-1].poses) > 40, 'the rest')
     assert (beliefs[-1].header.frame_id, truths[-1].header.frame_id) == ('odom', 'map')
     assert spots(beliefs[-1])[0] == spots(truths[-1])[0] == (0.0, 0.0)
-    assert len(beliefs[-1].poses) > 40
     assert spots(beliefs[-1])[-1] != spots(truths[-1])[-1]
 
 
