@@ -80,6 +80,7 @@ setup(
             'diffdrive_sim = diffdrive_kinematics.executables:diffdrive_sim',
             'forward_projection = diffdrive_kinematics.executables:forward_projection',
             'plot_paths = diffdrive_kinematics.executables:plot_paths',
+            'robot_description = diffdrive_kinematics.executables:robot_description',
             'simulated_base = diffdrive_kinematics.executables:simulated_base',
             'wheel_noise = diffdrive_kinematics.executables:wheel_noise',
         ],

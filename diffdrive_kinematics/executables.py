@@ -25,7 +25,7 @@ import sys
 
 __all__ = [
     'calibrate', 'command_sequence', 'diff_drive_controller', 'diffdrive_sim',
-    'forward_projection', 'plot_paths', 'simulated_base', 'wheel_noise']
+    'forward_projection', 'plot_paths', 'robot_description', 'simulated_base', 'wheel_noise']
 
 
 def _start(name: str) -> None:
@@ -62,6 +62,11 @@ def forward_projection() -> None:
 def plot_paths() -> None:
     """Run ``plot_paths``."""
     _start('plot_paths')
+
+
+def robot_description() -> None:
+    """Run ``robot_description``."""
+    _start('robot_description')
 
 
 def simulated_base() -> None:

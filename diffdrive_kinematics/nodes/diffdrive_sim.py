@@ -24,6 +24,7 @@ from diffdrive_kinematics.nodes.diff_drive_controller import DiffDriveController
 from diffdrive_kinematics.nodes.forward_projection import ForwardProjection
 from diffdrive_kinematics.nodes.node import DiffDriveNode
 from diffdrive_kinematics.nodes.report import drift_table, progress_line, Robot
+from diffdrive_kinematics.nodes.robot_description import RobotDescription
 from diffdrive_kinematics.nodes.running import finish, make_executor, run, spin, Stop
 from diffdrive_kinematics.nodes.share import with_params_file
 from diffdrive_kinematics.nodes.simulated_base import SimulatedBase
@@ -35,7 +36,7 @@ from diffdrive_kinematics.nodes.wheel_noise import WheelNoise
 CLASSES = {
     'diff_drive_controller': DiffDriveController, 'wheel_noise': WheelNoise,
     'simulated_base': SimulatedBase, 'command_sequence': CommandSequence,
-    'forward_projection': ForwardProjection}
+    'forward_projection': ForwardProjection, 'robot_description': RobotDescription}
 PROGRESS_LINES = 10
 REST_TIMEOUT_NS = 5_000_000_000
 

@@ -36,7 +36,8 @@ from rclpy.validate_topic_name import validate_topic_name
 
 __all__ = [
     'CALIBRATE', 'COMMAND_SEQUENCE', 'DIFFDRIVE_SIM', 'DIFF_DRIVE_CONTROLLER', 'Entry',
-    'FORWARD_PROJECTION', 'KNOWN_NAMES', 'Kind', 'PLOT_PATHS', 'SIMULATED_BASE', 'TABLES',
+    'FORWARD_PROJECTION', 'KNOWN_NAMES', 'Kind', 'PLOT_PATHS', 'ROBOT_DESCRIPTION',
+    'SIMULATED_BASE', 'TABLES',
     'WHEEL_NOISE', 'axis_limits', 'check_sides', 'check_wiring', 'commands_from',
     'only_in_ros2_controllers', 'wheel_geometry', 'wheel_radii', 'wheel_slips']
 
@@ -129,6 +130,21 @@ def _check_one_of(*known: str) -> Check:
         if value not in known:
             raise ValueError(f"{name} is {value!r}, expected one of {', '.join(map(repr, known))}")
     return check
+
+
+def _check_description(name: str, value: str) -> None:
+    if value and not value.endswith(('.urdf', '.yaml')):
+        raise ValueError(f'{name} is {value!r}, expected the name of a .urdf or .yaml file')
+
+
+def _check_width(name: str, value: float) -> None:
+    if not math.isnan(value):
+        check_positive(name, value)
+
+
+def _check_wheel_base(name: str, value: float) -> None:
+    if not math.isnan(value):
+        check_non_negative(name, value)
 
 
 def _check_pose(name: str, value: Tuple[float, ...]) -> None:
@@ -462,6 +478,18 @@ CALIBRATE = (
             'none', _check_optional_picture),
     Entry('overwrite', False, 'replace files that exist', Kind.BOOL, read_only=True))
 
+ROBOT_DESCRIPTION = (
+    *_GEOMETRY, *_JOINTS,
+    _topic('robot_description_topic', 'robot_description', 'URDF out, String'),
+    _string('robot_name', 'diffdrive', 'name of the robot in the URDF', _check_named),
+    _string('base_frame_id', 'base_link', 'link on the ground between the wheels', _check_named),
+    Entry('wheel_base', math.nan, 'distance [m] from the first to the last wheel of a side, which '
+          'are in order from front to rear; NaN: 2.5 radii a wheel', check=_check_wheel_base),
+    Entry('wheel_width', math.nan, 'width [m] of the wheels, above 0; NaN: half a radius',
+          check=_check_width),
+    _string('output', '', 'file to write instead: .urdf, or .yaml, a params file for '
+            'robot_state_publisher; empty: publish', _check_description))
+
 DIFFDRIVE_SIM = (
     Entry('nodes', [], "what to compose: 'class' or 'class:name'", Kind.STRINGS, read_only=True),
     Entry('clock_step', 0.0, 'step [s] of a simulated clock that is published on /clock; 0: real '
@@ -473,7 +501,7 @@ TABLES = {
     'diff_drive_controller': DIFF_DRIVE_CONTROLLER, 'wheel_noise': WHEEL_NOISE,
     'simulated_base': SIMULATED_BASE, 'command_sequence': COMMAND_SEQUENCE,
     'forward_projection': FORWARD_PROJECTION, 'plot_paths': PLOT_PATHS, 'calibrate': CALIBRATE,
-    'diffdrive_sim': DIFFDRIVE_SIM}
+    'robot_description': ROBOT_DESCRIPTION, 'diffdrive_sim': DIFFDRIVE_SIM}
 KNOWN_NAMES = frozenset(entry.name for table in TABLES.values() for entry in table)
 
 _ROS2_CONTROLLERS = frozenset((

@@ -30,7 +30,7 @@ PURE = {
 NODE_MODULES = {
     f'{PACKAGE}.nodes.{name}' for name in (
         'diff_drive_controller', 'wheel_noise', 'simulated_base', 'command_sequence',
-        'diffdrive_sim', 'forward_projection', 'plot_paths')}
+        'diffdrive_sim', 'forward_projection', 'plot_paths', 'robot_description')}
 COMPOSER = f'{PACKAGE}.nodes.diffdrive_sim'
 
 
