@@ -15,7 +15,7 @@
 """What ``diffdrive_sim`` shows: progress, and where the robot believes to be and where it is."""
 
 import math
-from typing import List, NamedTuple, Tuple
+from typing import Dict, List, NamedTuple, Tuple
 
 from diffdrive_kinematics.core.angles import wrap_angle
 from diffdrive_kinematics.core.arc import Pose
@@ -44,17 +44,21 @@ def progress_line(elapsed: float, length: float, robots: List[Robot]) -> str:
 
 
 def drift_table(robots: List[Robot]) -> str:
-    """Return the table of poses, with the drift where there is one belief and one truth."""
+    """Return the table of poses, with the drift where a namespace has a belief and a truth."""
     rows = [f"{'':34}{'x [m]':>10}{'y [m]':>10}{'yaw [deg]':>12}"]
     rows += [
         f'{_label(robot):34}{_fixed(robot.pose.x, 4):>10}{_fixed(robot.pose.y, 4):>10}'
         f'{_fixed(math.degrees(robot.pose.theta), 2):>12}' for robot in robots]
-    by_role = {robot.role: robot.pose for robot in robots}
-    if len(robots) == 2 and set(by_role) == {'belief', 'truth'}:
-        distance, turn = drift(by_role['belief'], by_role['truth'])
-        rows.append(
-            f"{'drift':34}{_fixed(1000.0 * distance, 1) + ' mm':>20}"
-            f'{_fixed(math.degrees(turn), 2):>12}')
+    by_namespace: Dict[str, List[Robot]] = {}
+    for robot in robots:
+        by_namespace.setdefault(robot.name.rpartition('/')[0], []).append(robot)
+    for namespace, pair in by_namespace.items():
+        by_role = {robot.role: robot.pose for robot in pair}
+        if len(pair) == 2 and set(by_role) == {'belief', 'truth'}:
+            distance, turn = drift(by_role['belief'], by_role['truth'])
+            rows.append(
+                f"{f'drift ({namespace})' if namespace else 'drift':34}"
+                f"{_fixed(1000.0 * distance, 1) + ' mm':>20}{_fixed(math.degrees(turn), 2):>12}")
     return '\n'.join(rows)
 
 
