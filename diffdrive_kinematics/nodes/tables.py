@@ -37,9 +37,8 @@ from rclpy.validate_topic_name import validate_topic_name
 __all__ = [
     'CALIBRATE', 'COMMAND_SEQUENCE', 'DIFFDRIVE_SIM', 'DIFF_DRIVE_CONTROLLER', 'Entry',
     'FORWARD_PROJECTION', 'KNOWN_NAMES', 'Kind', 'PLOT_PATHS', 'ROBOT_DESCRIPTION',
-    'SIMULATED_BASE', 'TABLES',
-    'WHEEL_NOISE', 'axis_limits', 'check_sides', 'check_wiring', 'commands_from',
-    'only_in_ros2_controllers', 'wheel_geometry', 'wheel_radii', 'wheel_slips']
+    'SIMULATED_BASE', 'TABLES', 'WHEEL_NOISE', 'axis_limits', 'check_sides', 'check_wiring',
+    'commands_from', 'only_in_ros2_controllers', 'wheel_geometry', 'wheel_radii', 'wheel_slips']
 
 Check = Callable[[str, Any], Any]
 Values = Mapping[str, Any]

@@ -1,0 +1,124 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+"""The configurations of RViz and Foxglove name what the nodes of the demo really have."""
+
+from importlib import import_module
+import json
+from pathlib import Path
+
+import pytest
+from rclpy.qos import DurabilityPolicy
+import yaml
+
+CONFIG = Path(__file__).parents[2] / 'config'
+KINDS = {
+    'Odometry': 'nav_msgs/msg/Odometry', 'Path': 'nav_msgs/msg/Path',
+    'PoseArray': 'geometry_msgs/msg/PoseArray', 'Polygon': 'geometry_msgs/msg/PolygonStamped',
+    'RobotModel': 'std_msgs/msg/String'}
+WITHOUT_TOPIC = {'Grid', 'TF'}
+NODES = ['command_sequence', 'diff_drive_controller', 'wheel_noise', 'simulated_base',
+         'simulated_base:ground_truth', 'forward_projection', 'robot_description']
+
+
+def kind_of(display):
+    return display['Class'].rpartition('/')[2]
+
+
+def displays():
+    """Return (class, topic settings) of RViz's displays with a topic."""
+    config = yaml.safe_load((CONFIG / 'diffdrive.rviz').read_text())
+    shown = config['Visualization Manager']['Displays']
+    assert {kind_of(display) for display in shown} == {*KINDS, *WITHOUT_TOPIC}
+    return [(kind_of(display), display.get('Description Topic') or display['Topic'])
+            for display in shown if kind_of(display) not in WITHOUT_TOPIC]
+
+
+def panels():
+    """Return the panels of Foxglove's layout, by name."""
+    layout = json.loads((CONFIG / 'diffdrive_foxglove.json').read_text())
+
+    def placed(part):
+        return {part} if isinstance(part, str) else placed(part['first']) | placed(part['second'])
+
+    assert placed(layout['layout']) == set(layout['configById'])
+    return layout['configById']
+
+
+def wanted():
+    """Return (topic, type or None) of all that is shown or sent."""
+    topics = [(topic['Value'], KINDS[kind]) for kind, topic in displays()]
+    for name, panel in panels().items():
+        kind = name.partition('!')[0]
+        if kind == '3D':
+            topics += [(topic, None) for topic in panel['topics']]
+            topics += [(layer['topic'], KINDS['RobotModel']) for layer in panel['layers'].values()
+                       if layer['layerId'] == 'foxglove.Urdf']
+        elif kind == 'Plot':
+            topics += [(path['value'].partition('.')[0], KINDS['Odometry'])
+                       for path in panel['paths']]
+        elif kind == 'Teleop':
+            topics.append((panel['topic'], 'geometry_msgs/msg/Twist'))
+        else:
+            assert kind == 'DiagnosticSummary'
+            topics.append((panel['topicToRender'], 'diagnostic_msgs/msg/DiagnosticArray'))
+    return topics
+
+
+@pytest.fixture
+def demo(graph):
+    """Start the demo with all that can be shown; return the types of the topics."""
+    graph.start('diffdrive_sim', {'real_time_factor': 1.0}, '-p', f'diffdrive_sim:nodes:={NODES}')
+    names = {topic for topic, _ in wanted()}
+
+    def types():
+        found = dict(graph.node.get_topic_names_and_types())
+        return names <= set(found) and found
+
+    return graph.wait_for(types, f'all of {sorted(names)}')
+
+
+def test_every_topic_that_is_shown_exists_and_has_the_type_that_the_display_takes(graph, demo):
+    for topic, kind in wanted():
+        assert len(demo[topic]) == 1
+        assert kind in (None, demo[topic][0]), topic
+    graph.wait_for(  # discovery tells of names last
+        lambda: [listener.node_name for listener in graph.node.get_subscriptions_info_by_topic(
+            '/cmd_vel')] == ['diff_drive_controller'], 'the controller alone to hear /cmd_vel')
+
+
+def test_a_display_asks_for_no_more_than_is_offered_and_for_what_is_kept(graph, demo):
+    for _, topic in displays():
+        (publisher,) = graph.wait_for(
+            lambda: graph.node.get_publishers_info_by_topic(topic['Value']), topic['Value'])
+        kept = publisher.qos_profile.durability == DurabilityPolicy.TRANSIENT_LOCAL
+        assert (topic['Durability Policy'] == 'Transient Local') == kept
+        assert topic['Reliability Policy'] == 'Reliable'
+
+
+def test_every_plotted_path_is_a_number_of_its_message(demo):
+    paths = [path['value'] for name, panel in panels().items() if name.startswith('Plot!')
+             for path in panel['paths']]
+    assert len(paths) == 4
+    for path in paths:
+        topic, *fields = path.split('.')
+        package, _, name = demo[topic][0].split('/')
+        value = getattr(import_module(f'{package}.msg'), name)()
+        for field in fields:
+            value = getattr(value, field)
+        assert isinstance(value, float)
+
+
+def test_teleop_repeats_its_command_before_the_controller_times_out():
+    (teleop,) = (panel for name, panel in panels().items() if name.startswith('Teleop!'))
+    assert teleop['publishRate'] > 2.0 / 0.5  # cmd_vel_timeout
