@@ -34,7 +34,8 @@ from diffdrive_kinematics.core.covariance import (
 from diffdrive_kinematics.core.geometry import (
     pose_change_from_travel, travel_from_angles, twist_from_wheel_rates, WheelGeometry)
 from diffdrive_kinematics.core.wheel_motion import (
-    first_motion, Pair, rates_at, receive, rolled, shifted, Verdict, WheelMotion, WheelSample)
+    first_motion, Pair, rates_at, reached, receive, rolled, shifted, Verdict, WheelMotion,
+    WheelSample)
 
 __all__ = ['BaseReading', 'Odometry']
 
@@ -134,7 +135,11 @@ class Odometry:
         if result.verdict in (Verdict.REPEATED, Verdict.OUT_OF_ORDER):
             return replace(self, motion=result.motion), result.verdict
         self._check_sane(result.rolled, 'position')
-        return replace(self._rolled(result.rolled), motion=result.motion), result.verdict
+        odometry, rest = self, result.rolled
+        if any(result.known):
+            odometry = self._rolled(result.known)
+            rest = rest[0] - result.known[0], rest[1] - result.known[1]
+        return replace(odometry._rolled(rest), motion=result.motion), result.verdict
 
     def configured(
             self, geometry: WheelGeometry, timeout_ns: Optional[int], now_ns: int,
@@ -202,6 +207,7 @@ class Odometry:
         if self.motion is None:
             return BaseReading(self._pose(0.0, 0.0), (0.0, 0.0),
                                (self.left.value, self.right.value), (0.0, 0.0))
+        time_ns = reached(self.motion, time_ns, self.timeout_ns)
         angle = rolled(self.motion, time_ns, self.timeout_ns)
         rates = rates_at(self.motion, time_ns, self.timeout_ns)
         return BaseReading(
@@ -216,6 +222,7 @@ class Odometry:
         """
         if self.motion is None or self._is_certain():
             return self.covariance
+        time_ns = reached(self.motion, time_ns, self.timeout_ns)
         angle = rolled(self.motion, time_ns, self.timeout_ns)
         return self.covariance if angle == (0.0, 0.0) else self._covariance_after(angle)
 

@@ -23,6 +23,8 @@ never on when a sample happened to arrive or how often somebody looked.
 * Where two samples carry positions, the increment is the truth (a lost sample costs nothing);
   otherwise the rates of the anchor are held.
 * Without a sample for ``timeout_ns`` the wheels stop exactly at ``last_ns + timeout_ns``.
+* Up to ``last_ns`` the rates are known to have been held: an increment that says otherwise is
+  about the time since then, so a lost change of the rates costs one message's arc, no more.
 * A sample between the anchor and ``last_ns`` supersedes what followed it.
 * A sample without positions is the baseline, 0, from which the positions of its publisher
   count.  The first sample ever heard, and the first of another source (a publisher that was
@@ -40,7 +42,7 @@ from diffdrive_kinematics.core.checks import is_sane, LARGEST
 
 __all__ = [
     'Pair', 'Received', 'Verdict', 'WheelMotion', 'WheelSample', 'first_motion', 'rates_at',
-    'receive', 'rolled', 'shifted', 'step_tolerance', 'timeout_from_seconds']
+    'reached', 'receive', 'rolled', 'shifted', 'step_tolerance', 'timeout_from_seconds']
 
 Pair = Tuple[float, float]
 ZERO: Pair = (0.0, 0.0)
@@ -108,11 +110,16 @@ class Verdict(enum.Enum):
 
 @dataclass(frozen=True)
 class Received:
-    """The motion after a sample, and the angle [rad] rolled between the two anchors."""
+    """
+    The motion after a sample, and the angle [rad] rolled between the two anchors.
+
+    ``known`` is the part of it up to the last repeat, where the rest was rolled differently.
+    """
 
     motion: WheelMotion
     rolled: Pair
     verdict: Verdict
+    known: Pair = ZERO
 
 
 def timeout_from_seconds(seconds: float) -> Optional[int]:
@@ -152,6 +159,17 @@ def rolled(motion: WheelMotion, time_ns: int, timeout_ns: Optional[int]) -> Pair
     return motion.rates[0] * seconds, motion.rates[1] * seconds
 
 
+def reached(motion: WheelMotion, time_ns: int, timeout_ns: Optional[int]) -> int:
+    """
+    Return the time [ns] at which to look at a motion when the own clock shows ``time_ns``.
+
+    Where the publisher's clock is so far ahead that it must be another one, that is its last
+    stamp: its wheels would stand for as long as it is ahead.
+    """
+    ahead = motion.last_ns > time_ns + step_tolerance(timeout_ns)
+    return motion.last_ns if ahead else time_ns
+
+
 def rates_at(motion: WheelMotion, time_ns: int, timeout_ns: Optional[int]) -> Pair:
     """Return the wheel rates [rad/s] at ``time_ns``: 0 from the timeout on."""
     if timeout_ns is not None and time_ns >= motion.last_ns + timeout_ns:
@@ -184,9 +202,9 @@ def receive(
     travelled = _increment(motion, sample) if counts else held
     if counts and _jumps(motion, travelled, stamp, max_rate):
         return Received(first_motion(sample), held, Verdict.JUMPED)
+    as_held = not counts or _same(held, travelled, motion, sample)
     silent = timeout_ns is not None and stamp > motion.last_ns + timeout_ns
-    if sample.rates == motion.rates and motion.holds and not silent and same_source and _same(
-            held, travelled, motion, sample):
+    if sample.rates == motion.rates and motion.holds and not silent and same_source and as_held:
         if stamp < motion.last_ns - tolerance:
             return _stepped(motion, sample, timeout_ns)
         return Received(_renewed(motion, sample, held), ZERO, Verdict.REPEATED)
@@ -195,7 +213,9 @@ def receive(
         seconds = (stamp - motion.anchor_ns) / NANOSECONDS
         following = replace(
             following, rates=(travelled[0] / seconds, travelled[1] / seconds))
-    return Received(following, travelled, Verdict.MOVED)
+    known = ZERO if as_held or stamp <= motion.last_ns else rolled(
+        motion, motion.last_ns, timeout_ns)
+    return Received(following, travelled, Verdict.MOVED, known)
 
 
 def _renewed(motion: WheelMotion, repeat: WheelSample, held: Pair) -> WheelMotion:

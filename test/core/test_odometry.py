@@ -21,7 +21,7 @@ import math
 from diffdrive_kinematics.core.arc import Pose
 from diffdrive_kinematics.core.compensated import RunningSum
 from diffdrive_kinematics.core.covariance import NO_COVARIANCE, PoseCovariance
-from diffdrive_kinematics.core.geometry import WheelGeometry
+from diffdrive_kinematics.core.geometry import twist_from_wheel_rates, WheelGeometry
 from diffdrive_kinematics.core.odometry import Odometry
 from diffdrive_kinematics.core.wheel_motion import Verdict, WheelSample
 from hypothesis import given, settings, strategies as st
@@ -416,3 +416,46 @@ def test_a_message_that_was_on_its_way_while_the_base_was_put_elsewhere_is_no_ju
 def test_a_base_is_put_nowhere_that_is_not_finite(pose):
     with pytest.raises(ValueError, match='of the pose'):
         START.placed_at(pose, NO_COVARIANCE, S)
+
+
+@pytest.mark.parametrize('step_s', [-3600, 3600])
+def test_a_publisher_whose_clock_steps_for_good_goes_on_moving_the_base(step_s):
+    odometry = START
+    way = []
+    for number in range(200):
+        now_ns = NOW + number * 20 * MS
+        stamp = now_ns + (step_s * S if number > 99 else 0)
+        odometry, _ = odometry.received(WheelSample(
+            stamp, (3.0, 3.0), (0.06 * number, 0.06 * number)), now_ns)
+        way.append(odometry.at(now_ns).angles[0])
+    assert way[-1] - way[100] == pytest.approx(99 * 0.06, abs=1e-9)
+    assert max(b - a for a, b in zip(way, way[1:])) < 0.5 * 3.0 + 0.061
+
+
+@LAW
+@given(st.integers(1, 50), pairs, pairs, st.integers(1, 19))
+def test_a_lost_change_of_the_rates_costs_the_arc_of_one_message_however_long_they_were_held(
+        repeats, before, after, change_ms):
+    """Rates were held for repeats * 20 ms, changed within the next 20 ms, and that was lost."""
+    start = replace(START, timeout_ns=None)
+    change = repeats * 20 * MS + change_ms * MS
+    times = [number * 20 * MS for number in range(repeats + 1)]
+    samples = [WheelSample(S + time, before, scaled(before, time)) for time in times]
+    at_change = scaled(before, change)
+    rest = scaled(after, (20 - change_ms) * MS)
+    end = WheelSample(S + times[-1] + 20 * MS, after,
+                      (at_change[0] + rest[0], at_change[1] + rest[1]))
+    whole = fed(start, [*samples, WheelSample(S + change, after, at_change), end])
+    lossy = fed(start, [*samples, end])
+    got, expected = lossy.at(end.stamp_ns), whole.at(end.stamp_ns)
+    distance = turn = 0.0
+    for rates, seconds in ((before, change_ms / 1e3), (after, 0.02 - change_ms / 1e3)):
+        v, w = twist_from_wheel_rates(GEOMETRY, *rates)
+        distance, turn = distance + abs(v) * seconds, turn + abs(w) * seconds
+    assert math.dist(got.pose[:2], expected.pose[:2]) <= 1.5 * distance * turn + 1e-12
+    assert wrapped_difference(got.pose.theta, expected.pose.theta) < 1e-12
+    assert got.angles == pytest.approx(expected.angles, abs=1e-12)
+
+
+def scaled(rates, time_ns):
+    return rates[0] * time_ns / 1e9, rates[1] * time_ns / 1e9
