@@ -37,9 +37,10 @@ from std_msgs.msg import Float64MultiArray
 
 __all__ = [
     'OdometryMessage', 'TwistMessage', 'WheelCommandMessage', 'WheelMessage', 'WheelReader',
-    'given_pose', 'nanoseconds', 'pose_from_odometry', 'set_stamp']
+    'check_stamp', 'given_pose', 'nanoseconds', 'pose_from_odometry', 'set_stamp']
 
 NANOSECONDS = 1_000_000_000
+LAST_SECOND = 2**31 - 1
 
 
 def nanoseconds(stamp: Time) -> int:
@@ -88,6 +89,14 @@ def given_pose(message: PoseWithCovarianceStamped, frame_id: str) -> Tuple[
     return pose, planar_covariance(message.pose.covariance)
 
 
+def check_stamp(stamp: Time) -> None:
+    """Raise ``ValueError`` for a stamp that is none, or after which no other could be told."""
+    if stamp.nanosec >= NANOSECONDS or stamp.sec == LAST_SECOND:
+        raise ValueError(
+            f'stamp is (sec, nanosec) {(stamp.sec, stamp.nanosec)!r}, expected nanosec below '
+            f'{NANOSECONDS} and sec below {LAST_SECOND}')
+
+
 class WheelReader:
     """
     Reads wheel motion from JointState: joints in any order, several wheels a side.
@@ -119,7 +128,8 @@ class WheelReader:
         Raises
         ------
         ValueError
-            If some of our joints are missing, lengths do not match, or values are not finite.
+            If some of our joints are missing, lengths do not match, values are not finite, or
+            the stamp is none.
 
         """
         if message.name != self._known_names:
@@ -127,6 +137,7 @@ class WheelReader:
             if indices is None:
                 return None
             self._indices, self._known_names = indices, list(message.name)
+        check_stamp(message.header.stamp)
         rates = self._pair('velocity', message.velocity)
         positions = None
         if self._with_positions:

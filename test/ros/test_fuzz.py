@@ -1,0 +1,313 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Whatever a message or a parameter says, nothing leaves a node, and odometry stays finite."""
+
+from collections import Counter
+import math
+
+from builtin_interfaces.msg import Time
+from diffdrive_kinematics.nodes import (
+    command_sequence, diff_drive_controller, diffdrive_sim, forward_projection, simulated_base,
+    wheel_noise)
+from diffdrive_kinematics.nodes.parameters import ConfigurationError, ParameterSet
+from diffdrive_kinematics.nodes.tables import TABLES
+from geometry_msgs.msg import Twist, TwistStamped, Vector3
+from graph import KHEPERA, twist
+from hypothesis import given, HealthCheck, Phase, settings, strategies as st
+from inside import inside
+from nav_msgs.msg import Odometry
+import pytest
+import rclpy
+from rclpy.parameter import Parameter
+from sensor_msgs.msg import JointState
+from std_msgs.msg import Header
+
+BATCH = 40  # messages an example
+MESSAGES = 100  # examples of each test: 5 tests, 20,000 messages
+JOINTS = ['left_wheel_joint', 'right_wheel_joint']
+NODES = {
+    'diff_drive_controller': diff_drive_controller.DiffDriveController,
+    'wheel_noise': wheel_noise.WheelNoise, 'simulated_base': simulated_base.SimulatedBase,
+    'forward_projection': forward_projection.ForwardProjection}
+BUILDERS = {
+    'diff_drive_controller': diff_drive_controller.build, 'wheel_noise': wheel_noise.build,
+    'simulated_base': simulated_base.build, 'command_sequence': command_sequence.build,
+    'forward_projection': forward_projection.build, 'diffdrive_sim': diffdrive_sim.build}
+
+
+def fuzz(examples):
+    """Return settings for a number of examples."""
+    return settings(
+        max_examples=examples, deadline=None, derandomize=True, database=None,
+        phases=[Phase.generate],
+        suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large])
+
+
+nasty = st.sampled_from([
+    math.nan, math.inf, -math.inf, 5e-324, -5e-324, 2.3e-308, 1e308, -1.7976931348623157e308,
+    1e-17, -0.0, 0.0, 1.0, -1.0, 1e6, 1e9, 1e12, -1e12, 1.1e12, 2.0**53, math.pi])
+numbers = nasty | st.floats(-10.0, 10.0) | st.floats()
+stamps = st.builds(
+    Time, sec=st.sampled_from([0, 999, 1000, 1001, -1, -2**31, 2**31 - 1]) | st.integers(
+        990, 1010), nanosec=st.sampled_from([0, 1, 10**9 - 1, 2**32 - 1]) | st.integers(
+        0, 10**9 - 1))
+headers = st.builds(Header, stamp=stamps, frame_id=st.sampled_from(['', 'a', 'b', '\U0001f916']))
+few = st.lists(numbers, max_size=3) | st.lists(numbers, min_size=2, max_size=2)
+names = st.sampled_from([
+    JOINTS, JOINTS, JOINTS, JOINTS[::-1], [], JOINTS[:1], ['arm', *JOINTS], JOINTS * 2,
+    ['', 'ж\u0301\U0001f916']])
+vectors = st.builds(Vector3, x=numbers, y=numbers, z=numbers)
+twists = st.builds(Twist, linear=vectors, angular=vectors)
+stamped_twists = st.builds(TwistStamped, header=headers, twist=twists)
+wheels = st.builds(JointState, header=headers, name=names, velocity=few, position=few)
+
+
+@st.composite
+def odometries(draw):
+    message = Odometry(header=draw(headers))
+    at, q = message.pose.pose.position, message.pose.pose.orientation
+    at.x, at.y, q.x, q.y, q.z, q.w = (draw(numbers) for _ in range(6))
+    return message
+
+
+values = st.one_of(
+    numbers, numbers, st.integers(-2**63, 2**63 - 1), st.integers(-3, 30), st.booleans(),
+    st.text(max_size=8), st.sampled_from([
+        '', 'travel', 'command', 'gaussian', 'odom', 'cmd_vel', '/', '~', 'a//b', 'a' * 300,
+        '{node}', 'ж', '\x00', '.csv', '/dev/null']),
+    st.lists(numbers, max_size=7), st.lists(st.integers(-2**63, 2**63 - 1), max_size=7),
+    st.lists(st.booleans(), max_size=3), st.binary(max_size=3).map(
+        lambda data: [bytes([byte]) for byte in data]),
+    st.lists(st.text(max_size=4) | st.sampled_from(
+        [*JOINTS, 'simulated_base', 'wheel_noise:a/b']), max_size=4))
+
+
+def settings_of(node, writable=False):
+    """Return lists of parameters of a node with any values, the likely types more often."""
+    entries = [entry for entry in TABLES[node] if not (writable and entry.read_only)]
+    return st.lists(st.tuples(st.sampled_from(
+        [entry.name for entry in entries]), values), min_size=1, max_size=6).map(
+            lambda pairs: list(dict(pairs).items()))
+
+
+def parameter(name, value):
+    """Return a parameter as a params file or a service call makes it; None for no such value."""
+    kinds = {
+        bool: Parameter.Type.BOOL, int: Parameter.Type.INTEGER, float: Parameter.Type.DOUBLE,
+        str: Parameter.Type.STRING}
+    arrays = {
+        bool: Parameter.Type.BOOL_ARRAY, int: Parameter.Type.INTEGER_ARRAY,
+        float: Parameter.Type.DOUBLE_ARRAY, str: Parameter.Type.STRING_ARRAY,
+        bytes: Parameter.Type.BYTE_ARRAY}
+    if isinstance(value, list):
+        return Parameter(name, arrays[type(value[0])] if value else Parameter.Type.NOT_SET,
+                         value or None)
+    return Parameter(name, kinds[type(value)], value)
+
+
+def assert_finite(message):
+    """Compare all that moves a robot or says where it is."""
+    if isinstance(message, JointState):
+        assert all(map(math.isfinite, [*message.velocity, *message.position]))
+    elif isinstance(message, Odometry):
+        pose, speed = message.pose.pose, message.twist.twist
+        assert all(map(math.isfinite, (
+            pose.position.x, pose.position.y, pose.orientation.z, pose.orientation.w,
+            speed.linear.x, speed.angular.z)))
+        assert all(map(math.isfinite, [*message.pose.covariance, *message.twist.covariance]))
+        assert all(variance >= 0.0 for variance in message.pose.covariance[::7])
+
+
+def assert_works(node, batches, change=None):
+    """Feed batches of (topic, message) to one node, with time going on; nothing may come out."""
+    overrides = {name: value for name, value in KHEPERA.items()
+                 if name in {entry.name for entry in TABLES[node]}}
+    slips = {'left_slip_variance': 1e-6, 'right_slip_variance': 1e-6, 'publish_rate': 20.0,
+             **({'samples': 3, 'stages': 2, 'slip_distribution': 'uniform'}
+                if node == 'forward_projection' else {})}
+    overrides.update({name: value for name, value in slips.items()
+                      if name in {entry.name for entry in TABLES[node]}})
+    overrides.update(change or {})
+    with inside(NODES[node], overrides) as held:
+        held.node.get_logger().set_level(rclpy.logging.LoggingSeverity.FATAL)
+        now, fed = {'ns': held.clock.now_ns()}, Counter()
+
+        @fuzz(MESSAGES)
+        @given(batches)
+        def feed(batch):
+            for topic, message, step_ns in batch:
+                now['ns'] = min(max(now['ns'] + step_ns, 0), 2_000 * 10**9)
+                held.hear(topic, message)
+                held.advance_to(now['ns'])
+                fed[topic] += 1
+            for said in held.said.values():
+                if said:
+                    assert_finite(said[-1])
+                said.clear()
+
+        feed()
+        assert sum(fed.values()) == MESSAGES * BATCH
+        return held.node.counts
+
+
+def batches_of(*pairs):
+    """Return batches of messages, each with its topic and the time [ns] that follows it."""
+    each = st.one_of(*(st.tuples(st.just(topic), messages, st.sampled_from(
+        [0, 1, 20_000_000, 60_000_000, 600_000_000, -50_000_000, -5_000_000_000]))
+        for topic, messages in pairs))
+    return st.lists(each, min_size=BATCH, max_size=BATCH)
+
+
+@pytest.mark.parametrize('stamped', [False, True])
+def test_no_command_takes_the_controller_down(stamped):
+    counts = assert_works('diff_drive_controller', batches_of(
+        ('/cmd_vel', stamped_twists if stamped else twists)), {
+            'enable_stamped_cmd_vel': stamped, 'stamp_tolerance': 5.0,
+            'publish_limited_velocity': True, 'wheel_commands_topic': 'wheel_commands',
+            **({'linear.x.max_acceleration': 1.0, 'angular.z.max_jerk': 5.0} if stamped else {})})
+    assert counts['refused'] > 100
+
+
+def test_no_wheel_motion_takes_the_noise_down():
+    assert assert_works('wheel_noise', batches_of(('/wheel_rates', wheels)))['refused'] > 100
+
+
+def test_no_wheel_motion_takes_the_base_down_and_its_odometry_stays_finite():
+    assert assert_works('simulated_base', batches_of(('/wheel_rates', wheels)), {
+        'enable_odom_tf': False})['refused'] > 100
+
+
+def test_no_odometry_or_wheel_motion_takes_the_projection_down():
+    assert assert_works('forward_projection', batches_of(
+        ('/wheel_rates', wheels), ('/odom', odometries())))['refused'] > 100
+
+
+@pytest.mark.parametrize('node', sorted(NODES))
+def test_no_parameter_at_run_time_takes_a_node_down_or_spoils_its_geometry(node):
+    own = {entry.name for entry in TABLES[node]}
+    needed = {name: value for name, value in KHEPERA.items() if name in own}
+    with inside(NODES[node], needed) as held:
+        held.node.get_logger().set_level(rclpy.logging.LoggingSeverity.FATAL)
+        outcomes = Counter()
+
+        @fuzz(500)
+        @given(settings_of(node, writable=True))
+        def change(pairs):
+            results = held.node.set_parameters([parameter(*pair) for pair in pairs])
+            outcomes.update(result.successful for result in results)
+            said = held.node.config.values
+            for name in own & {'wheel_radius', 'wheel_separation', 'publish_rate'}:
+                assert math.isfinite(said[name]) and said[name] > 0.0
+            assert held.node.get_parameter('wheel_radius').value == said['wheel_radius']
+            if node != 'forward_projection':  # which would draw 100,000 poses
+                held.advance_to(held.clock.now_ns() + 10_000_000)
+            for messages in held.said.values():
+                if messages:
+                    assert_finite(messages[-1])
+                messages.clear()
+
+        change()
+    assert outcomes[True] > 50 and outcomes[False] > 50
+
+
+@pytest.mark.parametrize('node', sorted(BUILDERS))
+def test_whatever_the_yaml_says_a_node_starts_or_says_what_is_wrong(node):
+    """Declare the parameters as the node does, which is all that reads them."""
+    outcomes = Counter()
+    with inside(NODES['simulated_base'], KHEPERA):  # for its context
+        own = {entry.name: entry for entry in TABLES[node]}
+        needed = {'wheel_radius': 0.021, 'wheel_separation': 0.0885, 'commands': [0.1, 0.0, 1.0],
+                  'nodes': ['simulated_base']}
+
+        @fuzz(80)
+        @given(settings_of(node), st.sampled_from(['alone', 'complete', 'nothing else']))
+        def start(pairs, rest):
+            given_values = {} if rest == 'nothing else' else dict(pairs)
+            if rest != 'alone':
+                given_values = {
+                    **{name: value for name, value in needed.items() if name in own},
+                    **given_values}
+            started = rclpy.create_node(
+                'fuzzed', enable_rosout=False, start_parameter_services=False,
+                parameter_overrides=[
+                    parameter(*pair) for pair in given_values.items()])
+            try:
+                config = ParameterSet(started, TABLES[node], BUILDERS[node]).config
+                outcomes['started'] += 1
+                geometry = getattr(config, 'geometry', None)
+                assert geometry is None or 0.0 < geometry.separation < math.inf
+            except ConfigurationError as error:
+                assert 'refuses to start' in str(error)
+                outcomes['refused'] += 1
+            finally:
+                started.destroy_node()
+
+        start()
+    assert outcomes['refused'] > 5 and outcomes['started'] > 0
+
+
+def test_real_processes_survive_a_burst_of_nonsense_over_dds(graph):
+    """Compare the same strategies, serialised: the processes answer afterwards and end with 0."""
+    controller = graph.start('diff_drive_controller', {**KHEPERA, 'cmd_vel_timeout': 0.0})
+    base = graph.start('simulated_base', {
+        **KHEPERA, 'enable_odom_tf': False, 'wheel_motion_topic': 'joint_nonsense'})
+    noise = graph.start('wheel_noise', {
+        'wheel_radius': 0.021, 'input_topic': 'joint_nonsense', 'left_slip_variance': 1e-6})
+    rates = graph.collect(JointState, 'wheel_rates')
+    odometry = graph.collect(Odometry, 'odom')
+    noisy = graph.collect(JointState, 'noisy_wheel_rates')
+    commands = graph.publisher(Twist, 'cmd_vel')
+    joints = graph.publisher(JointState, 'joint_nonsense', listeners=2)
+
+    @fuzz(40)
+    @given(st.lists(twists, min_size=15, max_size=15), st.lists(wheels, min_size=15, max_size=15))
+    def burst(asked, rolled):
+        for message in asked:
+            commands.publish(message)
+        for message in rolled:
+            joints.publish(message)
+        graph.executor.spin_once(timeout_sec=0.0)
+
+    burst()
+
+    def answered():
+        commands.publish(twist(0.021, 0.0))
+        return rates and list(rates[-1].velocity) == pytest.approx([1.0, 1.0], rel=1e-9)
+
+    graph.wait_for(answered, 'the controller to obey')
+    heard = len(odometry), len(noisy)
+
+    def lives_on():
+        joints.publish(JointState(name=JOINTS, velocity=[1.0, 1.0]))
+        return len(odometry) > heard[0] + 3 and len(noisy) > heard[1] + 3
+
+    graph.wait_for(lives_on, 'base and noise to go on')
+    for message in (*rates, *odometry, *noisy):
+        assert_finite(message)
+    for process in (controller, base, noise):
+        assert process.running and 'Traceback' not in process.output
+        assert process.stop() == 0, process.output
+
+
+@pytest.mark.parametrize('sec, nanosec', [(5, 10**9), (2**31 - 1, 0), (-1, 2**32 - 1)])
+def test_a_stamp_that_is_none_is_refused_and_the_noise_lives_on(sec, nanosec):
+    message = JointState(name=JOINTS, velocity=[1.0, 1.0])
+    with inside(NODES['wheel_noise'], {'wheel_radius': 0.021}) as held:
+        message.header.stamp = Time(sec=sec, nanosec=nanosec)
+        held.hear('/wheel_rates', message)
+        assert held.node.counts['refused'] == 1
+        message.header.stamp = Time(sec=1000)
+        held.hear('/wheel_rates', message)
+        assert [list(said.velocity) for said in held.said['/noisy_wheel_rates']] == [[1.0, 1.0]]

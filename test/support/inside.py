@@ -1,0 +1,84 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""
+Nodes of the package inside the test, on time that the test sets, without an executor.
+
+They are real: rclpy declares their parameters, and their messages go out over DDS.  The test
+calls their subscriptions back itself, so a message costs microseconds and its order is certain.
+"""
+
+from contextlib import contextmanager
+
+from diffdrive_kinematics.nodes.clocks import SteppedClock
+from diffdrive_kinematics.nodes.traffic import Traffic
+from domain_coordinator import domain_id
+from graph import arguments
+import rclpy
+from rclpy.signals import SignalHandlerOptions
+
+START_NS = 1000 * 10**9
+
+
+class Inside:
+    """One node, its clock, and all that it says, by topic."""
+
+    def __init__(self, make, name=None):
+        self.clock = SteppedClock()
+        self.clock.advance_to(START_NS)
+        shared = {'stepped': self.clock, 'traffic': Traffic()}
+        self.node = make(name, **shared) if name else make(**shared)
+        self.said = {}
+        self._heard = {
+            subscription.topic_name: subscription.callback
+            for subscription in self.node.subscriptions}
+        for publisher in self.node.publishers:
+            self._listen(publisher)
+
+    def _listen(self, publisher):
+        said, publish = self.said.setdefault(publisher.topic_name, []), publisher.publish
+
+        def keeping(message):
+            said.append(message)
+            publish(message)
+
+        publisher.publish = keeping
+
+    def hear(self, topic, message):
+        """Give the node a message, as its executor would."""
+        self._heard[topic](message)
+
+    def advance_to(self, time_ns):
+        """Set the time, and fire what is due once."""
+        self.clock.advance_to(time_ns)
+        for timer in self.clock.due():
+            if timer in self.clock.timers:  # another one may have replaced it
+                self.clock.fire(timer)
+
+
+@contextmanager
+def inside(make, parameters=None, *, name=None, args=None):
+    """Yield a node in a context and a domain of its own."""
+    with domain_id() as domain:
+        rclpy.init(
+            args=arguments(parameters or {}) if args is None else args, domain_id=int(domain),
+            signal_handler_options=SignalHandlerOptions.NO)
+        try:
+            held = Inside(make, name)
+            try:
+                yield held
+            finally:
+                held.node.destroy_node()
+        finally:
+            rclpy.try_shutdown()
