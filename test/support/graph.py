@@ -63,6 +63,10 @@ class Process:
             env=environment, cwd=cwd)
 
     @property
+    def pid(self):
+        return self._popen.pid
+
+    @property
     def running(self):
         return self._popen.poll() is None
 
