@@ -168,8 +168,9 @@ def refuse_unidentified(
     Raise where the standard error of a parameter is as large as the parameter may be.
 
     The prior of that size keeps the matrix regular; where it alone tells the standard error, the
-    data say nothing.
+    data say nothing.  Without weights it is the course that is judged, with them the fit.
     """
+    fitted = weights is not None
     if weights is None:
         weights = np.ones(sum(len(each.start) for each in problem.windows))
     usual = Variances(*(max(pair) for pair in zip(variances, FINEST)))
@@ -185,6 +186,9 @@ def refuse_unidentified(
         said = ', '.join(f'{problem.columns[n].name} (standard error over {limit[n]:.2g})'
                          for n in lost)
         raise ValueError(
+            f'wheels and reference do not agree well enough to tell {said}, though the course '
+            'would: expected m and rad, the left wheel first, forward positive, and one time'
+            if fitted else
             f'the data do not identify {said}, expected drives with straights and curves both '
             f'ways, or these values given')
 

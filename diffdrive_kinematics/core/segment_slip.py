@@ -15,6 +15,9 @@
 """
 Slip of calibrated drives: from a calibration and its segments to slip constants with errors.
 
+Windows that the calibration takes for outliers (an encoder that starts anew, a tracker that loses
+its body) are left out here as well: a single one would outweigh all slip.
+
 Windows that start often overlap, which makes the best use of the data but leaves the standard
 errors of :func:`.fit_slip` too small; here they come from leaving out a group at a time
 (Tukey's jackknife, Efron & Stein 1981, Ann. Stat. 9(3)), a group being a segment, or a part of
@@ -33,6 +36,7 @@ from diffdrive_kinematics.core.slip_fit import (
     Estimate, fit_slip, slip_window, SlipFit, SlipWindow)
 from diffdrive_kinematics.core.trajectory_fit import TrajectoryFit
 from diffdrive_kinematics.core.trajectory_windows import Systematic, windows_between
+from diffdrive_kinematics.core.window_weights import distance, REJECTED, Variances
 import numpy as np
 from numpy.typing import NDArray
 
@@ -111,8 +115,9 @@ def fit_segment_slip(
     for number, segment in enumerate(segments):
         mine: List[List[SlipWindow]] = [[] for _ in range(parts)]
         for length in lengths:
-            windows = segment_windows(
+            windows = [each for each in segment_windows(
                 geometry, segment, fit.systematic(number), length, every)
+                if _credible(each, fit.variances)]
             for n, window in enumerate(windows):
                 mine[n * parts // len(windows)].append(window)
         groups += mine
@@ -124,6 +129,13 @@ def fit_segment_slip(
         k_right=_jackknifed([each.k_right for each in (whole, *others)]),
         sigma_position=_jackknifed([each.sigma_position for each in (whole, *others)]),
         sigma_heading=_jackknifed([each.sigma_heading for each in (whole, *others)]))
+
+
+def _credible(window: SlipWindow, variances: Variances) -> bool:
+    """Return whether a window is none of those that count nothing in the calibration."""
+    covariance = (variances.slip * (window.left + window.right)
+                  + variances.position * window.position + variances.heading * window.heading)
+    return bool(distance(window.error[None], covariance[None])[0] < REJECTED)
 
 
 def _jackknifed(estimates: List[Estimate]) -> Estimate:

@@ -264,6 +264,12 @@ def _problem(
     if not columns:
         raise ValueError('wheels, frame and clock are all given, expected something to fit')
     held = [check_finite('frame', float(value)) for value in frame or NO_FRAME]
+    for n, segment in enumerate(segments):
+        wheel, seen = segment.time, segment.reference_time
+        if seen[-1] <= wheel[0] or wheel[-1] <= seen[0]:
+            raise ValueError(
+                f'segment {n} has wheels from {wheel[0]:.3f} to {wheel[-1]:.3f} s and a reference '
+                f'from {seen[0]:.3f} to {seen[-1]:.3f} s, expected stamps of the same time')
     chosen = tuple(windows_between(segment, windows.lengths, windows.every, windows.tolerance)
                    for segment in segments)
     number = sum(len(each.start) for each in chosen)

@@ -20,7 +20,7 @@ import math
 
 from diffdrive_kinematics.core.arc import Pose
 from diffdrive_kinematics.core.geometry import WheelGeometry
-from diffdrive_kinematics.core.recording import segment_from_ticks
+from diffdrive_kinematics.core.recording import segment_from_positions, segment_from_ticks
 from diffdrive_kinematics.core.segment_slip import fit_segment_slip
 from diffdrive_kinematics.core.trajectory_fit import Clock, fit_trajectory, NO_FRAME, Windows
 from diffdrive_kinematics.core.trajectory_windows import (
@@ -276,3 +276,32 @@ def test_a_real_robot_calibrated_on_some_runs_ends_nearer_to_the_truth_on_others
 def test_the_course_of_these_tests_turns_both_ways_and_changes_its_speed():
     v, w = curved_twists(np.arange(0.0, 80.0, 0.1)).T
     assert w.min() < -0.5 and w.max() > 0.5 and np.ptp(v) > 0.2
+
+
+def test_encoders_that_start_anew_do_not_change_the_slip():
+    whole = drive(1, Truth(), Disturbance())
+    angles, middle = whole.angles.copy(), len(whole.angles) // 2
+    angles[middle:] -= angles[middle]
+    again = segment_from_positions(
+        whole.time, angles, whole.reference_time, whole.reference)
+    before, after = (
+        fit_segment_slip(GEOMETRY, [each], fit_trajectory(GEOMETRY, [each]))
+        for each in (whole, again))
+    assert after.k_left.value == pytest.approx(before.k_left.value, rel=0.5)
+
+
+def test_a_reference_of_another_time_is_named_as_such():
+    whole = drive(1, Truth(), Disturbance())
+    other = segment_from_positions(
+        whole.time, whole.angles, whole.reference_time + 1e9, whole.reference)
+    with pytest.raises(ValueError, match='segment 1 .* expected stamps of the same time'):
+        fit_trajectory(GEOMETRY, [whole, other])
+
+
+def test_a_reference_in_degrees_is_not_taken_for_a_drive_that_tells_too_little():
+    whole = drive(1, Truth(), Disturbance())
+    degrees = segment_from_positions(
+        whole.time, whole.angles, whole.reference_time,
+        whole.reference * [1.0, 1.0, 180.0 / math.pi])
+    with pytest.raises(ValueError, match='do not agree .* m and rad'):
+        fit_trajectory(GEOMETRY, [degrees])
