@@ -58,8 +58,11 @@ def build(values: Mapping[str, Any]) -> Config:
             'them, or none for live topics')
     if squares and not values['square_side']:
         raise ValueError('square_side is 0.0, expected the side [m] of the square of square_runs')
-    for name in filter(None, (values['output'], values['picture'])):
-        check_writable(name, overwrite=values['overwrite'])
+    for name in ('output', 'picture'):
+        if values[name]:
+            check_writable(values[name], name=name, overwrite=values['overwrite'])
+    if values['output'] == values['picture']:
+        raise ValueError(f"picture is {values['picture']!r}, expected another file than output")
     return Config(wheel_geometry(values), values)
 
 
@@ -69,6 +72,7 @@ class Calibrate(DiffDriveNode[Config]):
     def __init__(self, name: str = 'calibrate', **composition: Any) -> None:
         super().__init__(name, CALIBRATE, build, **composition)
         self.collection = Collection()
+        self._written = ''
 
     def listen(self) -> None:
         """Begin to collect."""
@@ -103,10 +107,13 @@ class Calibrate(DiffDriveNode[Config]):
 
     def _on_finish(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
         values, geometry = self.config.values, self.config.geometry
+        if self._written:  # asked again before the end: the answer stays
+            response.success, response.message = True, self._written
+            return response
         try:
             calibration = of_segments(
                 values, geometry, self.collection.segments(), clock=values['clock'] or 'none')
-            response.message = conclude(calibration, values)
+            self._written = response.message = conclude(calibration, values)
         except (ValueError, ConfigurationError) as error:
             response.success, response.message = False, f'{error}; still collecting'
             self.get_logger().error(f'cannot finish: {response.message}')

@@ -75,20 +75,20 @@ def _number(value: float) -> str:
     return f'{mantissa}{point if exponent else ""}{exponent}{power}'
 
 
-def check_writable(path: str, *, overwrite: bool) -> None:
+def check_writable(path: str, *, name: str = 'output', overwrite: bool) -> None:
     """Raise ``ValueError`` unless a file can be written there, without writing it."""
     file = Path(path)
     if file.is_dir():
-        raise ValueError(f'output is {path!r}, which is a directory, expected a file')
+        raise ValueError(f'{name} is {path!r}, which is a directory, expected a file')
     if file.exists() and not overwrite:
         raise ValueError(
-            f'output is {path!r}, which exists, expected a new file, or overwrite to be true')
+            f'{name} is {path!r}, which exists, expected a new file, or overwrite to be true')
     try:
         with tempfile.TemporaryFile(dir=file.parent):
             pass
     except OSError as error:
         raise ValueError(
-            f'output is {path!r}, expected a file in a directory that can be written: {error}'
+            f'{name} is {path!r}, expected a file in a directory that can be written: {error}'
         ) from error
 
 

@@ -15,7 +15,7 @@
 """What ``calibrate`` reads: measured runs around a square, recorded drives, live topics."""
 
 import math
-from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple
+from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
 from builtin_interfaces.msg import Time
 from diffdrive_kinematics.core.geometry import WheelGeometry
@@ -32,6 +32,8 @@ import numpy as np
 __all__ = ['Collection', 'MOTIONS', 'motion_of', 'read_segments', 'read_square_runs']
 
 REFERENCE_COLUMNS = ('time_sec', 'x', 'y', 'yaw')
+NEW_RUN_NS = 1_000_000_000
+"""Fall of the stamps of wheel motion from which it counts as another run."""
 SQUARE_COLUMNS = ('clockwise', 'true_x', 'true_y', 'odom_x', 'odom_y')
 MOTIONS: Dict[str, Tuple[str, ...]] = {
     'commands': COMMAND_COLUMNS,
@@ -141,24 +143,41 @@ def _rows(path: str, columns: Sequence[str]) -> np.ndarray:
     return rows
 
 
+_Seen = Tuple[int, float, float, float]
+
+
+class _Drive(NamedTuple):
+    """One run of the wheels' publisher, and the reference of its time (shared with others)."""
+
+    source: str
+    samples: List[WheelSample]
+    reference: List[_Seen]
+
+
 class Collection:
     """
     Wheel motion and reference poses as they come in.
 
-    Wheel motion of another run of its publisher begins another segment.  What is older than what
-    came before is left out.
+    Wheel motion of another run of its publisher begins another segment.  Where its stamps begin
+    anew as well (a simulation is started again, a bag plays in a loop), so does the reference:
+    the poses of one run must not be laid beside the wheels of the other.  What else is older
+    than what came before is left out.
     """
 
     def __init__(self) -> None:
-        self._drives: List[Tuple[str, List[WheelSample]]] = []
-        self._reference: List[Tuple[int, float, float, float]] = []
+        self._drives: List[_Drive] = []
+        self._reference: List[_Seen] = []
         self.left_out = 0
 
     def add_wheels(self, sample: WheelSample) -> None:
         """Add wheel motion."""
-        if not self._drives or self._drives[-1][0] != sample.source:
-            self._drives.append((sample.source, []))
-        samples = self._drives[-1][1]
+        last = self._drives[-1] if self._drives else None
+        fallen_ns = last.samples[-1].stamp_ns - sample.stamp_ns if last else 0
+        if last is None or last.source != sample.source or fallen_ns > NEW_RUN_NS:
+            if fallen_ns > 0:
+                self._reference = []
+            self._drives.append(_Drive(sample.source, [], self._reference))
+        samples = self._drives[-1].samples
         if samples and sample.stamp_ns < samples[-1].stamp_ns:
             self.left_out += 1
             return
@@ -181,8 +200,10 @@ class Collection:
 
     def summary(self, geometry: WheelGeometry) -> str:
         """Return how much there is, in a line."""
-        wheels = sum(len(samples) for _, samples in self._drives)
-        text = f'{wheels} samples of the wheels, {len(self._reference)} of the reference'
+        wheels = sum(len(drive.samples) for drive in self._drives)
+        seen = {id(drive.reference): len(drive.reference) for drive in self._drives}
+        poses = sum(seen.values()) if seen else len(self._reference)
+        text = f'{wheels} samples of the wheels, {poses} of the reference'
         try:
             segments = self.segments()
         except ValueError:
@@ -206,25 +227,28 @@ class Collection:
             If there are no wheel motion or reference poses, or too few of them.
 
         """
-        if not self._drives or not self._reference:
+        drives = [drive for drive in self._drives if drive.reference]
+        if not drives:
             what = 'wheel motion' if not self._drives else 'reference poses'
             raise ValueError(f'there are no {what} so far, expected some')
-        first_ns = min(self._drives[0][1][0].stamp_ns, self._reference[0][0])
-        reference = np.array([
-            ((stamp_ns - first_ns) / 1e9, *pose) for stamp_ns, *pose in self._reference])
-        found = [_segment(samples, first_ns, reference) for _, samples in self._drives]
+        found = [_segment(drive) for drive in drives]
         segments = [segment for segment in found if segment is not None]
         if not segments:
-            raise ValueError('there are too few samples so far, expected two or more of each')
+            wheels, poses = drives[-1].samples, drives[-1].reference
+            raise ValueError(
+                f'wheel motion is stamped {wheels[0].stamp_ns / 1e9:.3f} to '
+                f'{wheels[-1].stamp_ns / 1e9:.3f} s and the reference {poses[0][0] / 1e9:.3f} to '
+                f'{poses[-1][0] / 1e9:.3f} s, expected two or more of each at the same time')
         return segments
 
 
-def _segment(
-        samples: Sequence[WheelSample], first_ns: int, reference: np.ndarray
-) -> Optional[Segment]:
+def _segment(drive: _Drive) -> Optional[Segment]:
     """Return the segment of one run, with the reference at its time; None if it is too short."""
-    with_positions = [sample for sample in samples if sample.positions is not None]
-    chosen = with_positions or samples
+    first_ns = min(drive.samples[0].stamp_ns, drive.reference[0][0])
+    reference = np.array([
+        ((stamp_ns - first_ns) / 1e9, *pose) for stamp_ns, *pose in drive.reference])
+    with_positions = [sample for sample in drive.samples if sample.positions is not None]
+    chosen = with_positions or drive.samples
     time = np.array([(sample.stamp_ns - first_ns) / 1e9 for sample in chosen])
     seen = (reference[:, 0] >= time[0] - 1.0) & (reference[:, 0] <= time[-1] + 1.0)
     series = time, reference[seen, 0], reference[seen, 1:]

@@ -57,7 +57,7 @@ def _reader(path: str) -> 'Iterator[csv.DictReader[str]]':
     open_text = gzip.open if Path(path).suffix == '.gz' else open
     try:
         with open_text(path, 'rt', encoding='utf-8-sig', newline='') as file:
-            yield csv.DictReader(file)
+            yield csv.DictReader(file, skipinitialspace=True)
     except (OSError, EOFError, UnicodeDecodeError, csv.Error, zlib.error) as error:
         raise ValueError(f'{path} cannot be read as CSV: {error}') from error
 

@@ -17,8 +17,12 @@
 import math
 import re
 
+from builtin_interfaces.msg import Time
 from diffdrive_kinematics.core.arc import advance, Pose
 from diffdrive_kinematics.core.geometry import twist_from_wheel_rates, WheelGeometry
+from diffdrive_kinematics.core.wheel_motion import WheelSample
+from diffdrive_kinematics.nodes.calibration_sources import Collection
+from geometry_msgs.msg import Pose as PoseMsg
 from geometry_msgs.msg import PoseStamped
 from graph import KHEPERA, set_stamp
 from nav_msgs.msg import Odometry
@@ -130,13 +134,17 @@ def refused(graph, directory, words, *settings):
 
 def test_a_file_that_exists_and_a_directory_that_does_not_are_refused(graph, tmp_path):
     runs = tmp_path / 'runs.csv'
-    runs.write_text(HEADER + '1,-0.03,-0.03,0,0\n' * 2 + '0,-0.01,0.01,0,0\n' * 2)
+    runs.write_text('clockwise, true_x, true_y, odom_x, odom_y\n'  # as people type it
+                    + '1, -0.03, -0.03, 0, 0\n' * 2 + '0, -0.01, 0.01, 0, 0\n' * 2)
     square = f'square_runs:={runs}', 'square_side:=1.0'
     refused(graph, tmp_path, 'which exists', *square, f'output:={runs}')
     refused(graph, tmp_path, 'directory', *square, f'output:={tmp_path / "no" / "found.yaml"}')
     refused(graph, tmp_path, 'directory', *square, f'output:={runs / "found.yaml"}')
     refused(graph, tmp_path, 'directory', *square, f'output:={tmp_path}')
-    assert runs.read_text().startswith(HEADER)
+    refused(graph, tmp_path, 'picture is', *square, f'picture:={tmp_path / "no" / "found.png"}')
+    refused(graph, tmp_path, 'another file than output', *square, *(
+        f'{name}:={tmp_path / "found.png"}' for name in ('output', 'picture')))
+    assert runs.read_text().startswith('clockwise')
     calibrate = graph.start('calibrate', args=[
         *GEOMETRY, '-p', square[0], '-p', square[1], '-p', f'output:={runs}', '-p',
         'overwrite:=true'])
@@ -202,13 +210,43 @@ def test_live_topics_are_collected_until_finish_is_called(graph, tmp_path, refer
     answer = graph.call(Trigger, 'calibrate/finish', Trigger.Request())
     assert answer.success, answer.message
     assert answer.message == f'wrote {written}'
+    again = graph.call(Trigger, 'calibrate/finish', Trigger.Request())
+    assert (again.success, again.message) == (True, answer.message)
     assert calibrate.wait() == 0
+    assert calibrate.output.count('wrote') == 1
     assert 'std. error' in calibrate.output
     text = written.read_text()
     assert text.index('/**:') < text.index('/**/')
     for node in ('diff_drive_controller', 'wheel_odometry', 'simulated_base', 'calibrate'):
         assert written_multipliers(text, node) == pytest.approx(TRUTH, rel=3e-3)
     assert float(re.search(r'right_bias: (\S+)', text)[1]) == pytest.approx(0.01, abs=3e-3)
+
+
+@pytest.mark.parametrize('sources', [('a', 'b'), ('', '')], ids=['simulation', 'bag'])
+def test_a_run_whose_time_begins_anew_is_not_laid_beside_the_reference_of_the_one_before(sources):
+    collection = Collection()
+    for run, source in enumerate(sources):
+        for number in range(100 - 40 * run):
+            stamp_ns = 10**9 + number * 10**8
+            collection.add_wheels(WheelSample(stamp_ns, None, (1.0, 1.0), source=source))
+            pose = PoseMsg()
+            pose.position.x = 10.0 * run + number
+            collection.add_reference(
+                Time(sec=stamp_ns // 10**9, nanosec=stamp_ns % 10**9), pose)
+    first, second = collection.segments()
+    assert first.reference[0, 0] == 0.0 and len(first.reference) == 100
+    assert second.reference[0, 0] == 10.0 and len(second.reference) == 60
+    assert '160 samples of the wheels, 160 of the reference' in collection.summary(
+        WheelGeometry(0.1, 0.05))
+
+
+def test_wheels_and_a_reference_of_different_clocks_are_named_as_such():
+    collection = Collection()
+    for number in range(1, 10):
+        collection.add_wheels(WheelSample(number * 10**9, None, (1.0, 1.0)))
+        collection.add_reference(Time(sec=5000 + number), PoseMsg())
+    with pytest.raises(ValueError, match='1.000 to 9.000 s .* 5001.000 to 5009.000 s'):
+        collection.segments()
 
 
 def test_a_collection_that_is_interrupted_writes_nothing(graph, tmp_path):
