@@ -84,7 +84,7 @@ class Calibrate(DiffDriveNode[Config]):
         odometry = values['reference_type'] == 'odometry'
         self.subscribe(
             Odometry if odometry else PoseStamped, values['reference_topic'],
-            self._on_odometry if odometry else self._on_pose)
+            self._on_odometry if odometry else self._on_pose, best_effort=True)
         self.serve(Trigger, '~/finish', self._on_finish)
         self.every(PROGRESS_RATE, self._report)
         self.get_logger().info(

@@ -41,6 +41,7 @@ __all__ = ['DiffDriveNode']
 
 Config = TypeVar('Config')
 QUEUE_DEPTH = 10
+BEST_EFFORT = QoSProfile(depth=QUEUE_DEPTH, reliability=ReliabilityPolicy.BEST_EFFORT)
 STEPPED_QUEUE_DEPTH = 1000  # other processes cannot hold up time that is stepped
 REPORT_PERIOD_S = 1.0
 VERDICTS = {  # where it was seen, and what was done
@@ -153,9 +154,11 @@ class DiffDriveNode(Node, Generic[Config]):
 
     def subscribe(
             self, message_type: type, topic: str, callback: Callable[[Any], None], *,
-            raw: bool = False) -> Subscription:
+            raw: bool = False, best_effort: bool = False) -> Subscription:
         """
         Return a reliable subscription; ``raw`` hands the callback serialised messages.
+
+        With ``best_effort`` it hears publishers of either kind: trackers offer no more than that.
 
         A ``ValueError`` of the callback refuses the message: it is counted and reported, and
         the node lives on.
@@ -175,7 +178,7 @@ class DiffDriveNode(Node, Generic[Config]):
         return self._endpoint(
             lambda message_type, topic, profile, **options: self.create_subscription(
                 message_type, topic, guarded, profile, raw=raw, **options),
-            message_type, topic, 'subscription')
+            message_type, topic, 'subscription', BEST_EFFORT if best_effort else None)
 
     def serve(
             self, service_type: type, name: str, answer: Callable[[Any, Any], Any]) -> Service:

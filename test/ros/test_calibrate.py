@@ -28,6 +28,7 @@ from graph import KHEPERA, set_stamp
 from nav_msgs.msg import Odometry
 import numpy as np
 import pytest
+from rclpy.qos import qos_profile_sensor_data
 from recorded import RADIUS, RUNS, SEPARATION, TICKS_PER_TURN
 from sensor_msgs.msg import JointState
 from std_srvs.srv import Trigger
@@ -247,6 +248,21 @@ def test_wheels_and_a_reference_of_different_clocks_are_named_as_such():
         collection.add_reference(Time(sec=5000 + number), PoseMsg())
     with pytest.raises(ValueError, match='1.000 to 9.000 s .* 5001.000 to 5009.000 s'):
         collection.segments()
+
+
+def test_a_reference_that_is_published_as_sensor_data_is_heard(graph, tmp_path):
+    calibrate = graph.start('calibrate', {
+        **KHEPERA, 'output': str(tmp_path / 'found.yaml'), 'reference_type': 'pose',
+        'reference_topic': 'tracker'})
+    graph.wait_for(lambda: 'collecting' in calibrate.output, 'the start')
+    tracker = graph.node.create_publisher(PoseStamped, 'tracker', qos_profile_sensor_data)
+
+    def heard():
+        seen = PoseStamped()
+        set_stamp(seen, graph.now_ns())
+        tracker.publish(seen)
+        return re.search('[1-9][0-9]* of the reference', calibrate.output)
+    graph.wait_for(heard, 'a line that counts the reference')
 
 
 def test_a_collection_that_is_interrupted_writes_nothing(graph, tmp_path):
