@@ -110,6 +110,7 @@ class Calibrate(DiffDriveNode[Config]):
         if self._written:  # asked again before the end: the answer stays
             response.success, response.message = True, self._written
             return response
+        self.get_logger().info(f'calibrating {self.collection.summary(geometry)}')
         try:
             calibration = of_segments(
                 values, geometry, self.collection.segments(), clock=values['clock'] or 'none')

@@ -79,6 +79,11 @@ def run(work: Callable[[Stop], int], args: Optional[List[str]] = None) -> int:
     try:
         rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
         return work(stop)
+    except rclpy_implementation.UnknownROSArgsError as error:
+        print(f'diffdrive_kinematics: the arguments {error} follow --ros-args and mean nothing '
+              'there, expected -p NAME:=VALUE (in quotes where there are blanks) or another option',
+              file=sys.stderr)
+        return CONFIGURATION_ERROR
     except (rclpy_implementation.RCLError, NameValidationException) as error:
         print(f'diffdrive_kinematics: {error}', file=sys.stderr)
         return CONFIGURATION_ERROR

@@ -99,6 +99,12 @@ def test_a_params_file_that_does_not_exist_is_named(graph):
     assert 'no_such.yaml' in process.output and 'Traceback' not in process.output
 
 
+def test_an_argument_that_ros_does_not_know_is_named(graph):
+    process = graph.start(CONTROLLER, args=['--ros-args', '-p', 'cmd_vel_topic:=my', 'topic'])
+    assert process.wait() == 2
+    assert "['topic']" in process.output and 'Traceback' not in process.output
+
+
 @pytest.mark.parametrize('change, words', [
     (double('wheel_radius', 0.0), ['wheel_radius is 0.0', 'above 0']),
     (double('wheel_radius', math.nan), ['wheel_radius is nan', 'above 0']),
