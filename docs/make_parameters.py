@@ -16,7 +16,8 @@
 
 import math
 
-from diffdrive_kinematics.nodes.tables import Entry, TABLES
+from diffdrive_kinematics.nodes.entries import Entry
+from diffdrive_kinematics.nodes.tables import TABLES
 
 HEAD = """# Parameters
 

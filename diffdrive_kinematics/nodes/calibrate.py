@@ -23,11 +23,12 @@ from diffdrive_kinematics.nodes.calibration import Calibration, of_segments, of_
 from diffdrive_kinematics.nodes.calibration_file import check_writable, params_text, write
 from diffdrive_kinematics.nodes.calibration_sources import (
     Collection, motion_of, read_segments, read_square_runs)
+from diffdrive_kinematics.nodes.from_values import check_sides, wheel_geometry
 from diffdrive_kinematics.nodes.messages import WheelReader
 from diffdrive_kinematics.nodes.node import DiffDriveNode
 from diffdrive_kinematics.nodes.parameters import ConfigurationError
 from diffdrive_kinematics.nodes.running import finish, make_executor, run, spin, Stop
-from diffdrive_kinematics.nodes.tables import CALIBRATE, check_sides, wheel_geometry
+from diffdrive_kinematics.nodes.tables import CALIBRATE
 from diffdrive_kinematics.nodes.wheel_joints import wheel_joints
 from geometry_msgs.msg import PoseStamped
 from nav_msgs.msg import Odometry

@@ -24,11 +24,12 @@ from diffdrive_kinematics.core.sequence import Command
 from diffdrive_kinematics.core.square_course import square_course
 from diffdrive_kinematics.nodes.clocks import period_ns
 from diffdrive_kinematics.nodes.diagnostics import Diagnosis, Look, STALE, Trouble
+from diffdrive_kinematics.nodes.from_values import commands_from
 from diffdrive_kinematics.nodes.messages import TwistMessage
 from diffdrive_kinematics.nodes.node import DiffDriveNode
 from diffdrive_kinematics.nodes.recordings import COMMAND_COLUMNS, read_columns
 from diffdrive_kinematics.nodes.running import main_of
-from diffdrive_kinematics.nodes.tables import COMMAND_SEQUENCE, commands_from
+from diffdrive_kinematics.nodes.tables import COMMAND_SEQUENCE
 from geometry_msgs.msg import Twist, TwistStamped
 from rclpy.publisher import Publisher
 from rclpy.subscription import Subscription
@@ -46,7 +47,8 @@ class Config:
 
 def build(values: Mapping[str, Any]) -> Config:
     """Return the configuration of parameter values, or raise ``ValueError``."""
-    sources = {name: values[name] for name in ('commands', 'recording', 'square_side')}
+    sources = {'commands': list(values['commands']), 'recording': values['recording'],
+               'square_side': values['square_side']}
     if sum(map(bool, sources.values())) != 1:
         raise ValueError(
             f"{', '.join(f'{name} is {value!r}' for name, value in sources.items())}, expected "

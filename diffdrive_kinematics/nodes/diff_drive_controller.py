@@ -19,12 +19,13 @@ from typing import Any, List, Mapping, Sequence
 
 from diffdrive_kinematics.core.drive import Drive, DriveSettings, DriveTelling, Twist
 from diffdrive_kinematics.nodes.diagnostics import Diagnosis, heard_values, Look, silence, slowness
+from diffdrive_kinematics.nodes.from_values import (
+    axis_limits, check_sides, check_wiring, wheel_geometry)
 from diffdrive_kinematics.nodes.messages import (
     nanoseconds, TwistMessage, WheelCommandMessage, WheelMessage)
 from diffdrive_kinematics.nodes.node import DiffDriveNode
 from diffdrive_kinematics.nodes.running import main_of
-from diffdrive_kinematics.nodes.tables import (
-    axis_limits, check_sides, check_wiring, DIFF_DRIVE_CONTROLLER, wheel_geometry)
+from diffdrive_kinematics.nodes.tables import DIFF_DRIVE_CONTROLLER
 from diffdrive_kinematics.nodes.wheel_joints import wheel_joints
 from geometry_msgs.msg import Twist as TwistMsg, TwistStamped
 from rclpy.publisher import Publisher

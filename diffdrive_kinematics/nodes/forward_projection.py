@@ -29,15 +29,17 @@ from diffdrive_kinematics.core.sequence import Command
 from diffdrive_kinematics.core.wheel_motion import timeout_from_seconds
 from diffdrive_kinematics.nodes.diagnostics import (
     Diagnosis, heard_values, Look, silence, stamp_values)
+from diffdrive_kinematics.nodes.from_values import (
+    check_sides, check_wiring, wheel_geometry, wheel_slips)
 from diffdrive_kinematics.nodes.messages import nanoseconds, pose_from_odometry, WheelReader
 from diffdrive_kinematics.nodes.node import DiffDriveNode
 from diffdrive_kinematics.nodes.projection_messages import PolygonMessage, PosesMessage
 from diffdrive_kinematics.nodes.running import main_of
-from diffdrive_kinematics.nodes.tables import (
-    check_sides, check_wiring, FORWARD_PROJECTION, wheel_geometry, wheel_slips)
+from diffdrive_kinematics.nodes.tables import FORWARD_PROJECTION
 from diffdrive_kinematics.nodes.wheel_joints import wheel_joints
 from geometry_msgs.msg import PolygonStamped, PoseArray
 from nav_msgs.msg import Odometry
+from rclpy.publisher import Publisher
 from sensor_msgs.msg import JointState
 
 WAITING_REPORT_PERIOD_S = 10.0
@@ -68,11 +70,16 @@ def build(values: Mapping[str, Any]) -> Config:
         wheel_slips(values), values)
 
 
+def _is_heard(publisher: Optional[Publisher]) -> bool:
+    return publisher is not None and publisher.get_subscription_count() > 0
+
+
 class ForwardProjection(DiffDriveNode[Config]):
     """
     Projects the last odometry forward as if the wheel rates were held for the horizon.
 
-    Each odometry is projected once at most: where none comes, nothing is published.
+    Each odometry is projected once at most: where none comes, nothing is published.  What nobody
+    listens to is not computed.
     """
 
     def __init__(self, name: str = 'forward_projection', **composition: Any) -> None:
@@ -113,6 +120,8 @@ class ForwardProjection(DiffDriveNode[Config]):
                 'waiting for odometry and wheel motion',
                 throttle_duration_sec=WAITING_REPORT_PERIOD_S, skip_first=True)
             return
+        if not any(map(_is_heard, (self._poses_publisher, self._boundary_publisher))):
+            return
         (odometry, pose), self._odometry = self._odometry, None
         try:
             self._project(odometry, pose, self._commands(now_ns))
@@ -128,13 +137,13 @@ class ForwardProjection(DiffDriveNode[Config]):
 
     def _project(self, odometry: Odometry, pose: Pose, commands: List[Command]) -> None:
         config = self.config
-        if self._poses_publisher:
+        if _is_heard(self._poses_publisher):
             paths = sample_paths(
                 pose, commands, config.geometry, *config.slips, n=config.values['samples'],
                 seed=config.values['seed'])
             ends = Pose(*(column[-1] for column in paths))
             self._poses_publisher.publish(self._poses_message.filled(odometry.header, ends))
-        if self._boundary_publisher and config.bounded():
+        if _is_heard(self._boundary_publisher) and config.bounded():
             travels = [travel_of_command(command, config.geometry) for command in commands]
             x, y = reachable_set_from_slip(pose, travels, config.geometry, *config.slips)
             self._boundary_publisher.publish(self._polygon_message.filled(odometry.header, x, y))

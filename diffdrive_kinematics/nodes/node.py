@@ -22,10 +22,10 @@ from diagnostic_msgs.msg import DiagnosticArray
 from diffdrive_kinematics.core.wheel_motion import Verdict
 from diffdrive_kinematics.nodes.clocks import period_ns, SteppedClock, StepWatch
 from diffdrive_kinematics.nodes.diagnostics import Diagnosis, Heard, Look, Reporter, TOPIC
+from diffdrive_kinematics.nodes.entries import Entry
 from diffdrive_kinematics.nodes.parameters import ConfigurationError, ParameterSet
 from diffdrive_kinematics.nodes.qos import (
     check_delivery, Override, overrides_from, overriding_options, reliable)
-from diffdrive_kinematics.nodes.tables import Entry
 from diffdrive_kinematics.nodes.traffic import Traffic
 from rclpy.clock import Clock
 from rclpy.clock_type import ClockType

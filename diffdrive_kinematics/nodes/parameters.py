@@ -25,6 +25,7 @@ import difflib
 from typing import Any, Callable, Dict, Generic, Iterable, Mapping, Optional, Tuple, TypeVar
 
 from diffdrive_kinematics.nodes import tables
+from diffdrive_kinematics.nodes.entries import Entry, Kind
 from diffdrive_kinematics.nodes.qos import PREFIX as QOS_PREFIX
 from rcl_interfaces.msg import ParameterDescriptor, SetParametersResult
 from rclpy.node import Node
@@ -40,7 +41,7 @@ class ConfigurationError(Exception):
     """Parameters with which a node refuses to start; the text says what to set."""
 
 
-def coerce(entry: tables.Entry, value: Any) -> Any:
+def coerce(entry: Entry, value: Any) -> Any:
     """
     Return the value of a parameter in the type of its table entry.
 
@@ -52,7 +53,7 @@ def coerce(entry: tables.Entry, value: Any) -> Any:
         If the type does not fit; the message names parameter, value and expectation.
 
     """
-    if value is None and entry.kind in (tables.Kind.STRINGS, tables.Kind.DOUBLES):
+    if value is None and entry.kind in (Kind.STRINGS, Kind.DOUBLES):
         value = ()  # what an empty list in YAML becomes
     accepted = _as_kind(entry.kind, value)
     if accepted is None:
@@ -62,20 +63,20 @@ def coerce(entry: tables.Entry, value: Any) -> Any:
     return accepted
 
 
-def _as_kind(kind: tables.Kind, value: Any) -> Any:
+def _as_kind(kind: Kind, value: Any) -> Any:
     """Return the value as the kind, or None where it is of another."""
-    if kind is tables.Kind.BOOL:
+    if kind is Kind.BOOL:
         return value if isinstance(value, bool) else None
-    if kind is tables.Kind.INTEGER:
+    if kind is Kind.INTEGER:
         return value if isinstance(value, int) and not isinstance(value, bool) else None
-    if kind is tables.Kind.DOUBLE:
+    if kind is Kind.DOUBLE:
         return float(value) if _is_number(value) else None
-    if kind is tables.Kind.STRING:
+    if kind is Kind.STRING:
         return value if isinstance(value, str) else None
     if isinstance(value, (str, bytes)) or not isinstance(value, Iterable):
         return None
     items = tuple(value)
-    if kind is tables.Kind.DOUBLES:
+    if kind is Kind.DOUBLES:
         return tuple(map(float, items)) if all(map(_is_number, items)) else None
     return items if all(isinstance(item, str) for item in items) else None
 
@@ -98,7 +99,7 @@ class ParameterSet(Generic[Config]):
     ----------
     node : rclpy.node.Node
         The node to declare them on.
-    table : sequence of tables.Entry
+    table : sequence of Entry
         What the node knows.
     build : callable
         Values by name -> frozen configuration; raises ``ValueError``.
@@ -111,7 +112,7 @@ class ParameterSet(Generic[Config]):
     """
 
     def __init__(
-            self, node: Node, table: Tuple[tables.Entry, ...],
+            self, node: Node, table: Tuple[Entry, ...],
             build: Callable[[Mapping[str, Any]], Config]) -> None:
         self._node = node
         self._table = {entry.name: entry for entry in table}

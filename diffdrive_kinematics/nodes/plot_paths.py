@@ -29,11 +29,12 @@ from diffdrive_kinematics.core.projection import sample_paths, travel_of_command
 from diffdrive_kinematics.core.reachable import reachable_set_from_slip
 from diffdrive_kinematics.core.sequence import Command
 from diffdrive_kinematics.nodes.drawing import draw, Picture
+from diffdrive_kinematics.nodes.from_values import commands_from, wheel_slips
 from diffdrive_kinematics.nodes.node import DiffDriveNode
 from diffdrive_kinematics.nodes.parameters import ConfigurationError
 from diffdrive_kinematics.nodes.running import run, Stop
 from diffdrive_kinematics.nodes.share import with_params_file
-from diffdrive_kinematics.nodes.tables import commands_from, PLOT_PATHS, wheel_slips
+from diffdrive_kinematics.nodes.tables import PLOT_PATHS
 import numpy as np
 
 MISSING = (

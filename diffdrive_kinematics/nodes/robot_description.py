@@ -17,11 +17,12 @@ from dataclasses import dataclass
 import math
 from typing import Any, Mapping
 
+from diffdrive_kinematics.nodes.from_values import check_sides, wheel_geometry
 from diffdrive_kinematics.nodes.node import DiffDriveNode
 from diffdrive_kinematics.nodes.parameters import ConfigurationError
 from diffdrive_kinematics.nodes.qos import latched
 from diffdrive_kinematics.nodes.running import main_of
-from diffdrive_kinematics.nodes.tables import check_sides, ROBOT_DESCRIPTION, wheel_geometry
+from diffdrive_kinematics.nodes.tables import ROBOT_DESCRIPTION
 from diffdrive_kinematics.nodes.urdf import default_wheel_base, Shape, urdf_of
 from std_msgs.msg import String
 

@@ -81,7 +81,7 @@ def run(work: Callable[[Stop], int], args: Optional[List[str]] = None) -> int:
         return work(stop)
     except rclpy_implementation.UnknownROSArgsError as error:
         print(f'diffdrive_kinematics: the arguments {error} follow --ros-args and mean nothing '
-              'there, expected -p NAME:=VALUE (in quotes where there are blanks) or another option',
+              'there, expected -p NAME:=VALUE (in quotes where it has blanks) or an option',
               file=sys.stderr)
         return CONFIGURATION_ERROR
     except (rclpy_implementation.RCLError, NameValidationException) as error:

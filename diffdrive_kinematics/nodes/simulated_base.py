@@ -30,13 +30,13 @@ from diffdrive_kinematics.core.planar import planar_pose
 from diffdrive_kinematics.core.wheel_motion import Pair, timeout_from_seconds
 from diffdrive_kinematics.nodes.diagnostics import (
     Diagnosis, heard_values, Look, silence, slowness, stamp_values)
+from diffdrive_kinematics.nodes.from_values import check_sides, check_wiring, wheel_geometry
 from diffdrive_kinematics.nodes.messages import (
     given_pose, nanoseconds, OdometryMessage, WheelMessage, WheelReader)
 from diffdrive_kinematics.nodes.node import DiffDriveNode
 from diffdrive_kinematics.nodes.path import PathPublisher
 from diffdrive_kinematics.nodes.running import main_of
-from diffdrive_kinematics.nodes.tables import (
-    check_sides, check_wiring, SIMULATED_BASE, wheel_geometry)
+from diffdrive_kinematics.nodes.tables import SIMULATED_BASE
 from diffdrive_kinematics.nodes.tf import frame_prefix, TransformPublisher
 from diffdrive_kinematics.nodes.wheel_joints import wheel_joints
 from geometry_msgs.msg import PoseWithCovarianceStamped

@@ -19,199 +19,33 @@ Names, units and defaults are those of ros2_controllers' ``diff_drive_controller
 has the same thing.  The tables are data: nodes declare them, documentation is made from them.
 """
 
-from dataclasses import dataclass, replace
-import enum
+from dataclasses import replace
 import math
-from typing import Any, Callable, List, Mapping, Optional, Sequence, Tuple
+from typing import Tuple
 
 from diffdrive_kinematics.core.checks import (
-    check_above, check_duration, check_non_negative, check_positive, check_rate)
+    check_duration, check_non_negative, check_positive, check_rate)
 from diffdrive_kinematics.core.distributions import DISTRIBUTIONS
-from diffdrive_kinematics.core.geometry import WheelGeometry
-from diffdrive_kinematics.core.limits import AxisLimits
-from diffdrive_kinematics.core.noise import SLIP_MODELS, WheelSlip
-from diffdrive_kinematics.core.sequence import Command
-from rclpy.exceptions import InvalidTopicNameException
-from rclpy.validate_topic_name import validate_topic_name
+from diffdrive_kinematics.nodes.entries import (
+    check_bias, check_concentration, check_count, check_description, check_diagonal,
+    check_distribution, check_horizon, check_joint_names, check_named, check_one_of,
+    check_optional_picture, check_optional_seed, check_picture, check_pose,
+    check_positive_or_nan, check_rate_or_off, check_seed, check_slip_model, check_stages,
+    check_step, check_wheel_base, check_width, Entry, Kind, string, topic)
 
 __all__ = [
-    'CALIBRATE', 'COMMAND_SEQUENCE', 'DIFFDRIVE_SIM', 'DIFF_DRIVE_CONTROLLER', 'Entry',
-    'FORWARD_PROJECTION', 'KNOWN_NAMES', 'Kind', 'PLOT_PATHS', 'ROBOT_DESCRIPTION',
-    'SIMULATED_BASE', 'TABLES', 'WHEEL_NOISE', 'axis_limits', 'check_sides', 'check_wiring',
-    'commands_from', 'only_in_ros2_controllers', 'wheel_geometry', 'wheel_radii', 'wheel_slips']
-
-Check = Callable[[str, Any], Any]
-Values = Mapping[str, Any]
-MOST, MOST_STAGES = 100_000, 25
-
-
-class Kind(enum.Enum):
-    """Type of a parameter, in words for its user."""
-
-    BOOL = 'true or false'
-    INTEGER = 'an integer'
-    DOUBLE = 'a number'
-    STRING = 'a string'
-    STRINGS = 'a list of strings'
-    DOUBLES = 'a list of numbers'
-
-
-@dataclass(frozen=True)
-class Entry:
-    """One parameter: name, default, meaning, and what a value must satisfy."""
-
-    name: str
-    default: Any
-    description: str
-    kind: Kind = Kind.DOUBLE
-    check: Optional[Check] = None
-    read_only: bool = False
-    required: bool = False
-
-
-def _check_rate_or_off(name: str, value: float) -> None:
-    if value:
-        check_rate(name, value)
-
-
-def _check_joint_names(name: str, value: Tuple[str, ...]) -> None:
-    if not value or not all(value) or len(set(value)) != len(value):
-        raise ValueError(f'{name} is {list(value)!r}, expected one or more different joint names')
-
-
-def _check_seed(name: str, value: int) -> None:
-    if value < 0:
-        raise ValueError(f'{name} is {value!r}, expected an integer, 0 or above')
-
-
-def _check_optional_seed(name: str, value: int) -> None:
-    if value < -1:
-        raise ValueError(f'{name} is {value!r}, expected an integer, -1 or above')
-
-
-def _check_concentration(name: str, value: float) -> None:
-    if not math.isnan(value):
-        check_non_negative(name, value)
-
-
-def _check_positive_or_nan(name: str, value: float) -> None:
-    if not math.isnan(value):
-        check_positive(name, value)
-
-
-def _check_count(name: str, value: int) -> None:
-    if not 1 <= value <= MOST:
-        raise ValueError(f'{name} is {value!r}, expected an integer from 1 to {MOST}')
-
-
-def _check_stages(name: str, value: int) -> None:
-    if not 1 <= value <= MOST_STAGES:
-        raise ValueError(f'{name} is {value!r}, expected an integer from 1 to {MOST_STAGES}')
-
-
-def _check_horizon(name: str, value: float) -> None:
-    check_positive(name, value)
-    check_duration(name, value)
-
-
-def _check_picture(name: str, value: str) -> None:
-    if not value.endswith(('.png', '.svg')):
-        raise ValueError(f'{name} is {value!r}, expected the name of a .png or .svg file')
-
-
-def _check_optional_picture(name: str, value: str) -> None:
-    if value:
-        _check_picture(name, value)
-
-
-def _check_one_of(*known: str) -> Check:
-    def check(name: str, value: str) -> None:
-        if value not in known:
-            raise ValueError(f"{name} is {value!r}, expected one of {', '.join(map(repr, known))}")
-    return check
-
-
-def _check_description(name: str, value: str) -> None:
-    if value and not value.endswith(('.urdf', '.yaml')):
-        raise ValueError(f'{name} is {value!r}, expected the name of a .urdf or .yaml file')
-
-
-def _check_width(name: str, value: float) -> None:
-    if not math.isnan(value):
-        check_positive(name, value)
-
-
-def _check_wheel_base(name: str, value: float) -> None:
-    if not math.isnan(value):
-        check_non_negative(name, value)
-
-
-def _check_pose(name: str, value: Tuple[float, ...]) -> None:
-    if len(value) != 3 or not all(map(math.isfinite, value)):
-        raise ValueError(f'{name} is {list(value)!r}, expected three finite numbers [x, y, yaw]')
-
-
-def _check_step(name: str, value: float) -> None:
-    if value and not 1e-6 <= value <= 1.0:
-        raise ValueError(f'{name} is {value!r}, expected 0, or a step from 1e-6 to 1 s')
-
-
-def _check_diagonal(name: str, value: Tuple[float, ...]) -> None:
-    if len(value) != 6 or not all(math.isfinite(item) and item >= 0.0 for item in value):
-        raise ValueError(
-            f'{name} is {list(value)!r}, expected six finite numbers, 0 or above, for '
-            '(x, y, z, roll, pitch, yaw)')
-
-
-def _check_named(name: str, value: str) -> None:
-    if not value:
-        raise ValueError(f'{name} is empty, expected a name')
-
-
-def _check_slip_model(name: str, value: str) -> None:
-    if value not in SLIP_MODELS:
-        raise ValueError(f"{name} is {value!r}, expected {' or '.join(map(repr, SLIP_MODELS))}")
-
-
-def _check_distribution(name: str, value: str) -> None:
-    if value not in DISTRIBUTIONS:
-        raise ValueError(f"{name} is {value!r}, expected one of {', '.join(DISTRIBUTIONS)}")
-
-
-def _check_bias(name: str, value: float) -> None:
-    check_above(name, value, -1.0)
-
-
-def _check_topic(name: str, value: str) -> None:
-    try:
-        validate_topic_name(value)
-    except InvalidTopicNameException as error:
-        reason = str(error).partition(':')[2].strip().partition(':\n')[0]
-        raise ValueError(f'{name} is {value!r}, expected a topic name ({reason})') from None
-
-
-def _check_optional_topic(name: str, value: str) -> None:
-    if value:
-        _check_topic(name, value)
-
-
-def _string(name: str, default: str, description: str, check: Optional[Check] = None) -> Entry:
-    return Entry(name, default, description, Kind.STRING, check, read_only=True)
-
-
-def _topic(name: str, default: str, description: str, *, optional: bool = False) -> Entry:
-    return _string(
-        name, default, description, _check_optional_topic if optional else _check_topic)
-
+    'CALIBRATE', 'COMMAND_SEQUENCE', 'DIFFDRIVE_SIM', 'DIFF_DRIVE_CONTROLLER',
+    'FORWARD_PROJECTION', 'KNOWN_NAMES', 'LIMITS', 'PLOT_PATHS', 'ROBOT_DESCRIPTION',
+    'SIMULATED_BASE', 'SWITCHES', 'TABLES', 'WHEEL_NOISE', 'only_in_ros2_controllers']
 
 _DIAGNOSTICS = Entry(
     'diagnostics_rate', 1.0, 'rate [Hz] of the status on /diagnostics; 0: off',
-    check=_check_rate_or_off, read_only=True)
+    check=check_rate_or_off, read_only=True)
 _JOINTS = (
     Entry('left_wheel_names', ['left_wheel_joint'], 'joints of the left wheels', Kind.STRINGS,
-          _check_joint_names, read_only=True),
+          check_joint_names, read_only=True),
     Entry('right_wheel_names', ['right_wheel_joint'], 'joints of the right wheels', Kind.STRINGS,
-          _check_joint_names, read_only=True),
+          check_joint_names, read_only=True),
     Entry('left_wheel_inverted', False, 'true: the joints of the left wheels turn backward where '
           'the wheels roll forward, as a mirrored motor does; rates and positions have their sign '
           'in every message', Kind.BOOL, read_only=True),
@@ -238,9 +72,9 @@ _GEOMETRY = (*_SEPARATION, *_RADII)
 
 _BIAS = (
     Entry('left_bias', 0.0, 'fraction of travel that the left wheel gains, above -1',
-          check=_check_bias),
+          check=check_bias),
     Entry('right_bias', 0.0, 'fraction of travel that the right wheel gains, above -1',
-          check=_check_bias))
+          check=check_bias))
 _SLIP = (
     Entry('left_slip_variance', 0.0, 'k [m] of the left wheel: Var[travel error] = k |travel|',
           check=check_non_negative),
@@ -248,9 +82,9 @@ _SLIP = (
           check=check_non_negative))
 _DISTRIBUTION = Entry(
     'slip_distribution', 'gaussian', 'of the slip, all with the variance that is set: '
-    + ', '.join(DISTRIBUTIONS), Kind.STRING, _check_distribution)
+    + ', '.join(DISTRIBUTIONS), Kind.STRING, check_distribution)
 
-_LIMITS = {
+LIMITS = {
     'max_velocity': 'highest velocity, 0 or above; NaN: no limit',
     'min_velocity': 'lowest velocity, 0 or below; NaN: -max_velocity',
     'max_acceleration': 'speeding up forward, above 0; NaN: no limit',
@@ -260,7 +94,7 @@ _LIMITS = {
     'max_jerk': 'growth of the acceleration, above 0; NaN: no limit',
     'min_jerk': 'the same in reverse, below 0; NaN: -max_jerk',
     'min_acceleration': 'older YAML: bound of every fall of the velocity, below 0'}
-_SWITCHES = {  # what their limits have in their names
+SWITCHES = {  # what their limits have in their names
     'has_velocity_limits': 'velocity', 'has_acceleration_limits': 'celeration',
     'has_jerk_limits': 'jerk'}
 _AXES = {'linear.x': 'm', 'angular.z': 'rad'}
@@ -273,21 +107,21 @@ def _per(limit: str) -> str:
 def _axis_entries() -> Tuple[Entry, ...]:
     limits = tuple(
         Entry(f'{axis}.{limit}', math.nan, f'{meaning} [{unit}/{_per(limit)}]')
-        for axis, unit in _AXES.items() for limit, meaning in _LIMITS.items())
+        for axis, unit in _AXES.items() for limit, meaning in LIMITS.items())
     switches = tuple(
         Entry(f'{axis}.{switch}', True, 'false: the limits of this kind do not count (older '
               'YAML; leave the limits NaN instead)', Kind.BOOL)
-        for axis in _AXES for switch in _SWITCHES)
+        for axis in _AXES for switch in SWITCHES)
     return limits + switches
 
 
 DIFF_DRIVE_CONTROLLER = (
     *_GEOMETRY, *_JOINTS,
-    _topic('cmd_vel_topic', 'cmd_vel', 'velocity commands in'),
-    _topic('wheel_rates_topic', 'wheel_rates', 'wheel rates out, JointState'),
-    _topic('wheel_commands_topic', '', 'wheel rates out as Float64MultiArray, left wheels then '
-           'right wheels, for a ros2_control velocity controller; empty: off', optional=True),
-    _topic('cmd_vel_out_topic', 'cmd_vel_out', 'limited velocity out, TwistStamped'),
+    topic('cmd_vel_topic', 'cmd_vel', 'velocity commands in'),
+    topic('wheel_rates_topic', 'wheel_rates', 'wheel rates out, JointState'),
+    topic('wheel_commands_topic', '', 'wheel rates out as Float64MultiArray, left wheels then '
+          'right wheels, for a ros2_control velocity controller; empty: off', optional=True),
+    topic('cmd_vel_out_topic', 'cmd_vel_out', 'limited velocity out, TwistStamped'),
     Entry('publish_limited_velocity', False, 'whether to publish cmd_vel_out', Kind.BOOL,
           read_only=True),
     Entry('enable_stamped_cmd_vel', False, 'commands are TwistStamped instead of Twist', Kind.BOOL,
@@ -300,40 +134,40 @@ DIFF_DRIVE_CONTROLLER = (
           check=check_rate),
     Entry('max_wheel_rate', math.nan, 'bound [rad/s] of all wheels; beyond it both sides are '
           'scaled by one factor, so that the path keeps its curvature; NaN: none'),
-    _string('base_frame_id', 'base_link', 'frame of the limited velocity', _check_named),
+    string('base_frame_id', 'base_link', 'frame of the limited velocity', check_named),
     *_axis_entries(), _DIAGNOSTICS)
 
 WHEEL_NOISE = (
     *_RADII, *_JOINTS,
-    _topic('input_topic', 'wheel_rates', 'nominal wheel motion in'),
-    _topic('output_topic', 'noisy_wheel_rates', 'effective wheel motion out'),
+    topic('input_topic', 'wheel_rates', 'nominal wheel motion in'),
+    topic('output_topic', 'noisy_wheel_rates', 'effective wheel motion out'),
     _ENCODER_RANGE,
     *_BIAS, *_SLIP,
     Entry('slip_model', 'travel', "'travel': variance grows with distance, whatever the message "
           "rate; 'command': sigma is in proportion to the rate, drawn once a message, "
           '*_slip_variance is its squared fraction [1], and the statistics depend on the message '
-          'rate', Kind.STRING, _check_slip_model),
+          'rate', Kind.STRING, check_slip_model),
     _DISTRIBUTION,
     Entry('seed', 0, 'of the random generator, 0 or above; setting another one starts anew',
-          Kind.INTEGER, _check_seed),
+          Kind.INTEGER, check_seed),
     Entry('command_timeout', 0.5, 'silence [s] over which rates are held at most; as in '
           'simulated_base; 0: any', check=check_duration),
     _DIAGNOSTICS)
 
 _START = (
     Entry('initial_pose', [0.0, 0.0, 0.0], 'x [m], y [m], yaw [rad] at start', Kind.DOUBLES,
-          _check_pose, read_only=True),
+          check_pose, read_only=True),
     Entry('initial_heading_concentration', math.nan, 'kappa of the von Mises density of the yaw '
           'at start, about that of initial_pose, near 1 / variance [1/rad^2]; NaN: it is known',
-          check=_check_concentration, read_only=True))
+          check=check_concentration, read_only=True))
 
 SIMULATED_BASE = (
     *_GEOMETRY, *_JOINTS,
-    _topic('wheel_motion_topic', 'wheel_rates', 'wheel motion in: rates, positions or both'),
-    _topic('odom_topic', 'odom', 'odometry out; empty: off', optional=True),
-    _topic('joint_states_topic', 'joint_states', 'joint states out; empty: off', optional=True),
-    _topic('set_pose_topic', 'set_pose', 'poses in to put the robot at, PoseWithCovarianceStamped '
-           'in odom_frame_id; empty: off', optional=True),
+    topic('wheel_motion_topic', 'wheel_rates', 'wheel motion in: rates, positions or both'),
+    topic('odom_topic', 'odom', 'odometry out; empty: off', optional=True),
+    topic('joint_states_topic', 'joint_states', 'joint states out; empty: off', optional=True),
+    topic('set_pose_topic', 'set_pose', 'poses in to put the robot at, PoseWithCovarianceStamped '
+          'in odom_frame_id; empty: off', optional=True),
     Entry('publish_rate', 50.0, 'rate [Hz] of odometry and joint states', check=check_rate),
     Entry('command_timeout', 0.5, 'silence [s] after which the wheels stop, at the last stamp '
           'plus this; 0: never', check=check_duration),
@@ -346,35 +180,35 @@ SIMULATED_BASE = (
           'out; 0: ideal', check=check_non_negative, read_only=True),
     Entry('max_encoder_rate', math.nan, 'wheel rate [rad/s], well above what the wheels can do: '
           'positions that went faster between two messages count anew, as encoders that started '
-          'again elsewhere do; NaN: none', check=_check_positive_or_nan),
+          'again elsewhere do; NaN: none', check=check_positive_or_nan),
     *_START,
     Entry('initial_heading_seed', -1, 'draw the yaw at start with this seed, as a ground truth '
-          'does; -1: do not, and publish how uncertain it is', Kind.INTEGER, _check_optional_seed,
+          'does; -1: do not, and publish how uncertain it is', Kind.INTEGER, check_optional_seed,
           read_only=True),
     Entry('enable_odom_tf', True, 'broadcast odom_frame_id -> base_frame_id (needs tf2_msgs)',
           Kind.BOOL, read_only=True),
     Entry('publish_map_odom_tf', False, 'of a ground truth: broadcast odom_frame_id (map) -> the '
           'frame of the belief, so that tf shows the robot where it is (needs tf2_msgs, and '
           'enable_odom_tf false)', Kind.BOOL, read_only=True),
-    _topic('belief_topic', 'odom', 'odometry in that publish_map_odom_tf corrects'),
+    topic('belief_topic', 'odom', 'odometry in that publish_map_odom_tf corrects'),
     Entry('tf_frame_prefix_enable', False, 'put a prefix before odom_frame_id and base_frame_id',
           Kind.BOOL, read_only=True),
-    _string('tf_frame_prefix', '', 'that prefix, with or without a slash at its end; empty: the '
-            'namespace of the node'),
-    _string('odom_frame_id', 'odom', 'fixed frame of the odometry', _check_named),
-    _string('base_frame_id', 'base_link', 'frame of the robot', _check_named),
+    string('tf_frame_prefix', '', 'that prefix, with or without a slash at its end; empty: the '
+           'namespace of the node'),
+    string('odom_frame_id', 'odom', 'fixed frame of the odometry', check_named),
+    string('base_frame_id', 'base_link', 'frame of the robot', check_named),
     *_SLIP,
     Entry('slip_model', 'travel', 'as in wheel_noise; the variances of command are none per metre '
-          'and are not counted here', Kind.STRING, _check_slip_model),
+          'and are not counted here', Kind.STRING, check_slip_model),
     Entry('covariance_floor', 1e-9, 'added to every variance that is published, so that none is '
           'zero', check=check_non_negative),
     Entry('pose_covariance_diagonal', [0.0] * 6, 'variances of the pose to publish instead of '
-          'those of the slip; zeros: do not', Kind.DOUBLES, _check_diagonal),
+          'those of the slip; zeros: do not', Kind.DOUBLES, check_diagonal),
     Entry('twist_covariance_diagonal', [0.0] * 6, 'variances of the twist to publish instead of '
-          'those of the slip; zeros: do not', Kind.DOUBLES, _check_diagonal),
-    _topic('path_topic', '', 'the way that was come out, Path; empty: off', optional=True),
+          'those of the slip; zeros: do not', Kind.DOUBLES, check_diagonal),
+    topic('path_topic', '', 'the way that was come out, Path; empty: off', optional=True),
     Entry('path_length', 1000, 'how many poses the path has at most; the oldest go',
-          Kind.INTEGER, _check_count, read_only=True),
+          Kind.INTEGER, check_count, read_only=True),
     Entry('path_spacing', 0.02, 'least distance [m] between poses of the path',
           check=check_non_negative, read_only=True),
     Entry('path_rate', 2.0, 'rate [Hz] at which the path is published, where it has changed',
@@ -388,14 +222,14 @@ _SQUARE = (
           check=check_non_negative, read_only=True))
 
 COMMAND_SEQUENCE = (
-    _topic('cmd_vel_topic', 'cmd_vel', 'velocity commands out'),
+    topic('cmd_vel_topic', 'cmd_vel', 'velocity commands out'),
     Entry('enable_stamped_cmd_vel', False, 'publish TwistStamped instead of Twist', Kind.BOOL,
           read_only=True),
-    _string('base_frame_id', 'base_link', 'frame of stamped commands', _check_named),
+    string('base_frame_id', 'base_link', 'frame of stamped commands', check_named),
     Entry('commands', [], 'v [m/s], omega [rad/s], duration [s] of each command, one after '
           'another in one flat list', Kind.DOUBLES, read_only=True),
-    _string('recording', '', 'CSV file (or .csv.gz) time_sec,linear_x,angular_z to play instead '
-            'of commands'),
+    string('recording', '', 'CSV file (or .csv.gz) time_sec,linear_x,angular_z to play instead '
+           'of commands'),
     *_SQUARE,
     Entry('square_speed', 0.2, 'speed [m/s] along the sides', check=check_positive,
           read_only=True),
@@ -413,21 +247,21 @@ COMMAND_SEQUENCE = (
 
 FORWARD_PROJECTION = (
     *_GEOMETRY, *_JOINTS,
-    _topic('odom_topic', 'odom', 'odometry in: where the robot is'),
-    _topic('wheel_motion_topic', 'wheel_rates', 'wheel motion in: the rates that are held'),
-    _topic('poses_topic', 'projected_poses', 'samples out, PoseArray; empty: off', optional=True),
-    _topic('boundary_topic', 'projected_boundary', 'boundary of all that bounded slip can reach '
-           'out, PolygonStamped; empty: off', optional=True),
+    topic('odom_topic', 'odom', 'odometry in: where the robot is'),
+    topic('wheel_motion_topic', 'wheel_rates', 'wheel motion in: the rates that are held'),
+    topic('poses_topic', 'projected_poses', 'samples out, PoseArray; empty: off', optional=True),
+    topic('boundary_topic', 'projected_boundary', 'boundary of all that bounded slip can reach '
+          'out, PolygonStamped; empty: off', optional=True),
     Entry('publish_rate', 5.0, 'rate [Hz] of the projections', check=check_rate),
     Entry('command_timeout', 0.5, 'silence [s] after which the wheels count as stopped; as in '
           'simulated_base; 0: never', check=check_duration),
     _ENCODER_RANGE,
-    Entry('horizon', 2.0, 'how far ahead [s] to look, above 0', check=_check_horizon),
+    Entry('horizon', 2.0, 'how far ahead [s] to look, above 0', check=check_horizon),
     Entry('stages', 4, 'into how many steps of equal length the horizon is cut, each with slip of '
-          'its own', Kind.INTEGER, _check_stages),
-    Entry('samples', 200, 'number of poses', Kind.INTEGER, _check_count),
+          'its own', Kind.INTEGER, check_stages),
+    Entry('samples', 200, 'number of poses', Kind.INTEGER, check_count),
     Entry('seed', 0, 'of the samples; the same each time, so that they move with the robot',
-          Kind.INTEGER, _check_seed),
+          Kind.INTEGER, check_seed),
     *_SLIP, _DISTRIBUTION, _DIAGNOSTICS)
 
 PLOT_PATHS = (
@@ -435,17 +269,17 @@ PLOT_PATHS = (
     Entry('commands', [], 'v [m/s], omega [rad/s], duration [s] of each command, one after '
           'another in one flat list', Kind.DOUBLES, read_only=True),
     Entry('steps', 5, 'into how many steps of equal length each command is cut, each with slip of '
-          'its own', Kind.INTEGER, _check_stages, read_only=True),
-    Entry('paths', 100, 'number of sample paths', Kind.INTEGER, _check_count, read_only=True),
+          'its own', Kind.INTEGER, check_stages, read_only=True),
+    Entry('paths', 100, 'number of sample paths', Kind.INTEGER, check_count, read_only=True),
     *_START,
-    Entry('seed', 0, 'of the paths, 0 or above', Kind.INTEGER, _check_seed, read_only=True),
+    Entry('seed', 0, 'of the paths, 0 or above', Kind.INTEGER, check_seed, read_only=True),
     *_BIAS, *_SLIP, _DISTRIBUTION,
-    _string('output', 'paths.png', 'file to write, .png or .svg', _check_picture))
+    string('output', 'paths.png', 'file to write, .png or .svg', check_picture))
 
 CALIBRATE = (
     *_GEOMETRY, *_JOINTS,
-    _string('square_runs', '', 'CSV file clockwise,true_x,true_y,odom_x,odom_y with a row for '
-            'each run around a square'),
+    string('square_runs', '', 'CSV file clockwise,true_x,true_y,odom_x,odom_y with a row for '
+           'each run around a square'),
     *_SQUARE,
     Entry('recordings', [], 'CSV files of motion: time_sec with linear_x,angular_z or '
           'left_rate,right_rate or left_position,right_position or left_ticks,right_ticks',
@@ -456,43 +290,43 @@ CALIBRATE = (
           check=check_non_negative, read_only=True),
     Entry('tick_increments', False, 'ticks are those since the row before, not all so far',
           Kind.BOOL, read_only=True),
-    _topic('motion_topic', 'joint_states', 'wheel motion in, without files'),
+    topic('motion_topic', 'joint_states', 'wheel motion in, without files'),
     _ENCODER_RANGE,
     Entry('position_feedback', True, 'false: ignore positions in wheel motion', Kind.BOOL,
           read_only=True),
-    _topic('reference_topic', 'ground_truth', 'reference poses in, without files'),
-    _string('reference_type', 'odometry', 'of the reference topic: odometry (Odometry) or pose '
-            '(PoseStamped)', _check_one_of('odometry', 'pose')),
-    _string('clock', '', 'what is fitted of the time between wheels and reference: none, delay '
-            '(one for all), offsets or drifts (of each drive); empty: delay for commands, '
-            'offsets for other files, none for topics',
-            _check_one_of('', 'none', 'delay', 'offsets', 'drifts')),
-    _string('mean_radius', '', 'fit: the mean radius of the wheels too; keep: leave it as it is; '
-            'empty: keep for commands, of which a robot covers more or less, else fit',
-            _check_one_of('', 'fit', 'keep')),
+    topic('reference_topic', 'ground_truth', 'reference poses in, without files'),
+    string('reference_type', 'odometry', 'of the reference topic: odometry (Odometry) or pose '
+           '(PoseStamped)', check_one_of('odometry', 'pose')),
+    string('clock', '', 'what is fitted of the time between wheels and reference: none, delay '
+           '(one for all), offsets or drifts (of each drive); empty: delay for commands, '
+           'offsets for other files, none for topics',
+           check_one_of('', 'none', 'delay', 'offsets', 'drifts')),
+    string('mean_radius', '', 'fit: the mean radius of the wheels too; keep: leave it as it is; '
+           'empty: keep for commands, of which a robot covers more or less, else fit',
+           check_one_of('', 'fit', 'keep')),
     Entry('equal_slip', True, 'fit one slip constant for both wheels', Kind.BOOL,
           read_only=True),
-    _string('output', 'calibration.yaml', 'params file to write', _check_named),
-    _string('picture', '', 'picture of errors before and after to write, .png or .svg; empty: '
-            'none', _check_optional_picture),
+    string('output', 'calibration.yaml', 'params file to write', check_named),
+    string('picture', '', 'picture of errors before and after to write, .png or .svg; empty: '
+           'none', check_optional_picture),
     Entry('overwrite', False, 'replace files that exist', Kind.BOOL, read_only=True))
 
 ROBOT_DESCRIPTION = (
     *_GEOMETRY, *_JOINTS,
-    _topic('robot_description_topic', 'robot_description', 'URDF out, String'),
-    _string('robot_name', 'diffdrive', 'name of the robot in the URDF', _check_named),
-    _string('base_frame_id', 'base_link', 'link on the ground between the wheels', _check_named),
+    topic('robot_description_topic', 'robot_description', 'URDF out, String'),
+    string('robot_name', 'diffdrive', 'name of the robot in the URDF', check_named),
+    string('base_frame_id', 'base_link', 'link on the ground between the wheels', check_named),
     Entry('wheel_base', math.nan, 'distance [m] from the first to the last wheel of a side, which '
-          'are in order from front to rear; NaN: 2.5 radii a wheel', check=_check_wheel_base),
+          'are in order from front to rear; NaN: 2.5 radii a wheel', check=check_wheel_base),
     Entry('wheel_width', math.nan, 'width [m] of the wheels, above 0; NaN: half a radius',
-          check=_check_width),
-    _string('output', '', 'file to write instead: .urdf, or .yaml, a params file for '
-            'robot_state_publisher; empty: publish', _check_description))
+          check=check_width),
+    string('output', '', 'file to write instead: .urdf, or .yaml, a params file for '
+           'robot_state_publisher; empty: publish', check_description))
 
 DIFFDRIVE_SIM = (
     Entry('nodes', [], "what to compose: 'class' or 'class:name'", Kind.STRINGS, read_only=True),
     Entry('clock_step', 0.0, 'step [s] of a simulated clock that is published on /clock; 0: real '
-          'time', check=_check_step, read_only=True),
+          'time', check=check_step, read_only=True),
     Entry('real_time_factor', 0.0, 'pace of the simulated clock; 0: as fast as the nodes can '
           'follow', check=check_non_negative, read_only=True))
 
@@ -512,72 +346,3 @@ _ROS2_CONTROLLERS = frozenset((
 def only_in_ros2_controllers(name: str) -> bool:
     """Return whether ros2_controllers' diff_drive_controller knows a name and we do not."""
     return name in _ROS2_CONTROLLERS and name not in KNOWN_NAMES
-
-
-def wheel_geometry(values: Values) -> WheelGeometry:
-    """Return the wheel geometry of a node's values; ``ValueError`` if it is impossible."""
-    return WheelGeometry(**{
-        name: values[name] for name in (
-            'wheel_separation', 'wheel_radius', 'wheel_separation_multiplier',
-            'left_wheel_radius_multiplier', 'right_wheel_radius_multiplier')})
-
-
-def wheel_radii(values: Values) -> Tuple[float, float]:
-    """Return the effective radii (left, right) [m] of a node's values."""
-    geometry = WheelGeometry(
-        1.0, values['wheel_radius'],
-        left_wheel_radius_multiplier=values['left_wheel_radius_multiplier'],
-        right_wheel_radius_multiplier=values['right_wheel_radius_multiplier'])
-    return geometry.left_radius, geometry.right_radius
-
-
-def wheel_slips(values: Values) -> Tuple[WheelSlip, WheelSlip]:
-    """Return bias and slip (left, right) of a node's values; what it has no name for is 0."""
-    left, right = (
-        WheelSlip(values.get(f'{side}_bias', 0.0), values[f'{side}_slip_variance'],
-                  values.get('slip_model', 'travel'), values['slip_distribution'])
-        for side in ('left', 'right'))
-    return left, right
-
-
-def commands_from(numbers: Sequence[float]) -> List[Command]:
-    """Return the commands of a flat list of v, omega, duration; ``ValueError`` if it is none."""
-    if len(numbers) % 3:
-        raise ValueError(
-            f'commands has {len(numbers)} numbers, expected three for each command: v, omega, '
-            'duration')
-    return [Command(*numbers[i:i + 3]) for i in range(0, len(numbers), 3)]
-
-
-def axis_limits(values: Values, axis: str) -> AxisLimits:
-    """Return the limits of ``linear.x`` or ``angular.z``; ``ValueError`` names the parameter."""
-    limits = {limit: values[f'{axis}.{limit}'] for limit in _LIMITS}
-    older = limits.pop('min_acceleration')
-    if not math.isnan(older):  # it bounded every fall of the velocity, max_acceleration every rise
-        for limit, bound in (('max_deceleration', older), ('max_acceleration_reverse', older),
-                             ('max_deceleration_reverse', limits['max_acceleration'])):
-            limits[limit] = bound if math.isnan(limits[limit]) else limits[limit]
-    for switch, what in _SWITCHES.items():
-        if not values[f'{axis}.{switch}']:
-            limits.update({limit: math.nan for limit in limits if what in limit})
-    try:
-        return AxisLimits(**limits)
-    except ValueError as error:
-        raise ValueError(f'{axis}.{error}') from None
-
-
-def check_wiring(values: Values, source: str, outputs: Tuple[str, ...]) -> None:
-    """Raise ``ValueError`` where a node would listen to itself."""
-    for output in outputs:
-        if values[output] and values[output].strip('/') == values[source].strip('/'):
-            raise ValueError(
-                f'{output} is {values[output]!r}, expected another topic than {source}')
-
-
-def check_sides(values: Values) -> None:
-    """Raise ``ValueError`` where a joint is on both sides of the robot."""
-    both = set(values['left_wheel_names']) & set(values['right_wheel_names'])
-    if both:
-        raise ValueError(
-            f'left_wheel_names and right_wheel_names both have {sorted(both)!r}, expected '
-            'different joints')

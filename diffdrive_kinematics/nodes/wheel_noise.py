@@ -21,11 +21,12 @@ from diffdrive_kinematics.core.slip_stream import SlipStream
 from diffdrive_kinematics.core.wheel_motion import timeout_from_seconds
 from diffdrive_kinematics.nodes.diagnostics import (
     Diagnosis, heard_values, Look, silence, stamp_values)
+from diffdrive_kinematics.nodes.from_values import (
+    check_sides, check_wiring, wheel_radii, wheel_slips)
 from diffdrive_kinematics.nodes.messages import WheelMessage, WheelReader
 from diffdrive_kinematics.nodes.node import DiffDriveNode
 from diffdrive_kinematics.nodes.running import main_of
-from diffdrive_kinematics.nodes.tables import (
-    check_sides, check_wiring, WHEEL_NOISE, wheel_radii, wheel_slips)
+from diffdrive_kinematics.nodes.tables import WHEEL_NOISE
 from diffdrive_kinematics.nodes.wheel_joints import wheel_joints
 import numpy as np
 from sensor_msgs.msg import JointState
