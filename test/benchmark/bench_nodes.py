@@ -38,6 +38,7 @@ import shlex
 import statistics
 import subprocess
 import sys
+import tempfile
 import time
 
 from geometry_msgs.msg import Twist
@@ -51,6 +52,7 @@ TICKS = os.sysconf('SC_CLK_TCK')
 GEOMETRY = ['wheel_radius:=0.033', 'wheel_separation:=0.16', 'enable_odom_tf:=false']
 START_TIMEOUT_S, WARM_UP_S, IN_RATE = 60.0, 2.0, 50.0
 FIRST_DOMAIN = 60
+FILES = tempfile.TemporaryDirectory()
 
 
 def ros_arguments(*parameters):
@@ -69,16 +71,26 @@ def base(rate):
     return package('simulated_base', f'publish_rate:={float(rate)}')
 
 
+def simulation(nodes, rate):
+    """Return the argv of nodes in one process, by a params file of their own."""
+    lines = ['/**:', '  ros__parameters:', f'    nodes: [{", ".join(map(repr, nodes))}]',
+             *(f'    {each.replace(":=", ": ")}' for each in GEOMETRY),
+             '/**/simulated_base:', f'  ros__parameters: {{publish_rate: {float(rate)}}}',
+             '/**/base:', f'  ros__parameters: {{publish_rate: {float(rate)}}}']
+    file = Path(FILES.name) / f'{len(nodes)}_{rate}.yaml'
+    file.write_text('\n'.join(lines) + '\n')
+    start = 'from diffdrive_kinematics.executables import diffdrive_sim; diffdrive_sim()'
+    return [sys.executable, '-c', start, '--ros-args', '--params-file', str(file)]
+
+
 def stack(rate):
     """Return the argv of controller and base in one process."""
-    return package('diffdrive_sim', "nodes:=['diff_drive_controller', 'simulated_base']",
-                   f'simulated_base:publish_rate:={float(rate)}')
+    return simulation(['diff_drive_controller', 'simulated_base'], rate)
 
 
 def fleet(robots, rate):
     """Return the argv of bases in one process."""
-    names = ', '.join(f"'simulated_base:robot{n}/base'" for n in range(robots))
-    return package('diffdrive_sim', f'nodes:=[{names}]', f'publish_rate:={float(rate)}')
+    return simulation([f'simulated_base:robot{n}/base' for n in range(robots)], rate)
 
 
 def cpu_seconds(pid):
