@@ -151,19 +151,24 @@ def window_errors(segment, systematic):
                            np.median(np.abs(error[:, 2]))])
 
 
+def commanded_halves(path):
+    """Return the segment of a file with commands, and its first and second half."""
+    truth = path.with_name(path.name.replace('commands', 'truth'))
+    time, *rest = columns(path, 'time_sec', 'linear_x', 'angular_z').T
+    seen, *pose = columns(truth, 'time_sec', 'x', 'y', 'yaw').T
+    whole = segment_from_commands(
+        time, np.stack(rest, axis=1), seen, np.stack(pose, axis=1), geometry=CREATE)
+    middle = 0.5 * (whole.time[0] + whole.time[-1])
+    return whole, whole.between(-math.inf, middle), whole.between(middle, math.inf)
+
+
 def commands(directory):
     """Print errors of the second half of each robot, calibrated on its first."""
     print('UTIAS MRCLAM: position [mm], yaw [mrad] over 10 s: nominal; with delay; fitted; '
           'mean radius too')
     ratios = []
     for path in sorted(directory.rglob('mrclam7_robot*_commands.csv*')):
-        truth = path.with_name(path.name.replace('commands', 'truth'))
-        time, *rest = columns(path, 'time_sec', 'linear_x', 'angular_z').T
-        seen, *pose = columns(truth, 'time_sec', 'x', 'y', 'yaw').T
-        whole = segment_from_commands(
-            time, np.stack(rest, axis=1), seen, np.stack(pose, axis=1), geometry=CREATE)
-        middle = 0.5 * (whole.time[0] + whole.time[-1])
-        first, second = whole.between(-math.inf, middle), whole.between(middle, math.inf)
+        whole, first, second = commanded_halves(path)
         fit, free = (fit_trajectory(
             CREATE, [first], clock=Clock.DELAY, windows=COMMANDED, mean_radius=mean_radius)
             for mean_radius in (False, True))

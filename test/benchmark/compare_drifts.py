@@ -35,9 +35,8 @@ TEST = Path(__file__).resolve().parents[1]
 sys.path[:0] = [str(TEST.parent), str(TEST / 'support'), str(TEST / 'benchmark')]
 
 from calibrate_recordings import (  # noqa: E402, I100
-    columns, CREATE, encoder_segment, ENCODERS, SESSIONS)
+    commanded_halves, CREATE, encoder_segment, ENCODERS, SESSIONS)
 from diffdrive_kinematics.core.angles import wrap_angle  # noqa: E402
-from diffdrive_kinematics.core.recording import segment_from_commands  # noqa: E402
 from diffdrive_kinematics.core.segment_slip import fit_segment_slip  # noqa: E402
 from diffdrive_kinematics.core.trajectory_fit import (  # noqa: E402
     Clock, COMMANDED, fit_trajectory)
@@ -140,13 +139,7 @@ def encoders(directory):
 def commands(directory):
     """Compare the robots with commands: fitted to the first half, the second simulated."""
     for path in sorted(directory.rglob('mrclam7_robot*_commands.csv*')):
-        truth = path.with_name(path.name.replace('commands', 'truth'))
-        time, *rest = columns(path, 'time_sec', 'linear_x', 'angular_z').T
-        seen, *pose = columns(truth, 'time_sec', 'x', 'y', 'yaw').T
-        whole = segment_from_commands(
-            time, np.stack(rest, axis=1), seen, np.stack(pose, axis=1), geometry=CREATE)
-        middle = 0.5 * (whole.time[0] + whole.time[-1])
-        first, second = whole.between(-math.inf, middle), whole.between(middle, math.inf)
+        _, first, second = commanded_halves(path)
         fit = fit_trajectory(CREATE, [first], clock=Clock.DELAY, windows=COMMANDED,
                              mean_radius=False)
         slip = fit_segment_slip(CREATE, [first], fit)
