@@ -23,7 +23,7 @@ from diffdrive_kinematics.nodes import (
     wheel_noise)
 from diffdrive_kinematics.nodes.parameters import ConfigurationError, ParameterSet
 from diffdrive_kinematics.nodes.tables import Kind, TABLES
-from geometry_msgs.msg import Twist, TwistStamped, Vector3
+from geometry_msgs.msg import PoseWithCovarianceStamped, Twist, TwistStamped, Vector3
 from graph import KHEPERA, twist
 from hypothesis import given, HealthCheck, Phase, settings, strategies as st
 from inside import inside
@@ -35,7 +35,7 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import Header
 
 BATCH = 40  # messages an example
-MESSAGES = 100  # examples of each test: 5 tests, 20,000 messages
+MESSAGES = 100  # examples of each test: 7 tests, 28,000 messages
 JOINTS = ['left_wheel_joint', 'right_wheel_joint']
 NODES = {
     'diff_drive_controller': diff_drive_controller.DiffDriveController,
@@ -79,6 +79,21 @@ def odometries(draw):
     message = Odometry(header=draw(headers))
     at, q = message.pose.pose.position, message.pose.pose.orientation
     at.x, at.y, q.x, q.y, q.z, q.w = (draw(numbers) for _ in range(6))
+    return message
+
+
+@st.composite
+def places(draw):
+    """Return poses with covariance, sane ones more often than chance would have it."""
+    message = PoseWithCovarianceStamped(header=draw(headers))
+    message.header.frame_id = draw(st.sampled_from(['odom', 'odom', 'map', '']))
+    sane = draw(st.booleans())
+    coordinates = st.floats(-1e6, 1e6) if sane else numbers
+    at, q = message.pose.pose.position, message.pose.pose.orientation
+    at.x, at.y, at.z = (draw(coordinates) for _ in range(3))
+    q.z, q.w = (0.6, 0.8) if sane else (draw(numbers), draw(numbers))
+    for index in draw(st.lists(st.integers(0, 35), max_size=4)):
+        message.pose.covariance[index] = draw(numbers)
     return message
 
 
@@ -205,6 +220,16 @@ def test_no_wheel_motion_takes_the_noise_down():
 def test_no_wheel_motion_takes_the_base_down_and_its_odometry_stays_finite():
     assert assert_works('simulated_base', batches_of(('/wheel_rates', wheels)), {
         'enable_odom_tf': False})['refused'] > 100
+
+
+@pytest.mark.parametrize('encoders', [
+    {}, {'encoder_range': 6.28, 'encoder_resolution': 100.0, 'max_encoder_rate': 50.0,
+         'left_wheel_inverted': True}], ids=['ideal', 'real'])
+def test_no_pose_that_is_set_takes_the_base_down_and_its_odometry_stays_finite(encoders):
+    counts = assert_works('simulated_base', batches_of(
+        ('/wheel_rates', wheels), ('/set_pose', places())), {
+            'enable_odom_tf': False, 'path_topic': 'path', **encoders})
+    assert counts['refused'] > 100
 
 
 def test_no_odometry_or_wheel_motion_takes_the_projection_down():
