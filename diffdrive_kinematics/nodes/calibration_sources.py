@@ -24,7 +24,7 @@ from diffdrive_kinematics.core.recording import (
     segment_from_ticks)
 from diffdrive_kinematics.core.umbmark import ReturnError
 from diffdrive_kinematics.core.wheel_motion import WheelSample
-from diffdrive_kinematics.nodes.messages import nanoseconds
+from diffdrive_kinematics.nodes.messages import nanoseconds, pose_in_plane
 from diffdrive_kinematics.nodes.recordings import COMMAND_COLUMNS, read_columns, read_header
 from geometry_msgs.msg import Pose
 import numpy as np
@@ -184,19 +184,14 @@ class Collection:
         samples.append(sample)
 
     def add_reference(self, stamp: Time, pose: Pose) -> None:
-        """Add a reference pose; ``ValueError`` if it is not finite or has no stamp."""
-        stamp_ns, q, at = nanoseconds(stamp), pose.orientation, pose.position
-        yaw = math.atan2(2.0 * (q.w * q.z + q.x * q.y), q.w**2 + q.x**2 - q.y**2 - q.z**2)
-        if not all(map(math.isfinite, (at.x, at.y, yaw))) or not (q.w or q.x or q.y or q.z):
-            raise ValueError(
-                f'pose is ({at.x!r}, {at.y!r}) with the quaternion '
-                f'({q.x!r}, {q.y!r}, {q.z!r}, {q.w!r}), expected a finite one')
+        """Add a reference pose; ``ValueError`` if it is none or has no stamp."""
+        stamp_ns, at = nanoseconds(stamp), pose_in_plane(pose)
         if not stamp_ns:
             raise ValueError('stamp is 0, expected the time at which the pose was measured')
         if self._reference and stamp_ns < self._reference[-1][0]:
             self.left_out += 1
             return
-        self._reference.append((stamp_ns, at.x, at.y, yaw))
+        self._reference.append((stamp_ns, *at))
 
     def summary(self, geometry: WheelGeometry) -> str:
         """Return how much there is, in a line."""

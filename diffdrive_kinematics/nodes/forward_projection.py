@@ -31,7 +31,7 @@ from diffdrive_kinematics.nodes.diagnostics import (
     Diagnosis, heard_values, Look, silence, stamp_values)
 from diffdrive_kinematics.nodes.from_values import (
     check_sides, check_wiring, wheel_geometry, wheel_slips)
-from diffdrive_kinematics.nodes.messages import nanoseconds, pose_from_odometry, WheelReader
+from diffdrive_kinematics.nodes.messages import nanoseconds, pose_in_plane, WheelReader
 from diffdrive_kinematics.nodes.node import DiffDriveNode
 from diffdrive_kinematics.nodes.projection_messages import PolygonMessage, PosesMessage
 from diffdrive_kinematics.nodes.running import main_of
@@ -101,7 +101,7 @@ class ForwardProjection(DiffDriveNode[Config]):
         self._tell_bounds()
 
     def _on_odometry(self, message: Odometry) -> None:
-        self._odometry = message, pose_from_odometry(message)
+        self._odometry = message, pose_in_plane(message.pose.pose)
         stamp_ns = nanoseconds(message.header.stamp)
         self.heard.note(stamp_ns, stamp_ns)
 

@@ -30,14 +30,14 @@ from diffdrive_kinematics.core.odometry import BaseReading
 from diffdrive_kinematics.core.planar import planar_covariance, planar_pose
 from diffdrive_kinematics.core.wheel_motion import Pair, WheelSample
 from diffdrive_kinematics.nodes.wheel_joints import WheelJoints
-from geometry_msgs.msg import PoseWithCovarianceStamped, TwistStamped
+from geometry_msgs.msg import Pose as PoseMessage, PoseWithCovarianceStamped, TwistStamped
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64MultiArray
 
 __all__ = [
     'OdometryMessage', 'TwistMessage', 'WheelCommandMessage', 'WheelMessage', 'WheelReader',
-    'check_stamp', 'given_pose', 'nanoseconds', 'pose_from_odometry', 'set_stamp']
+    'check_stamp', 'given_pose', 'nanoseconds', 'pose_in_plane', 'set_stamp']
 
 NANOSECONDS = 1_000_000_000
 LAST_SECOND = 2**31 - 1
@@ -53,22 +53,18 @@ def set_stamp(stamp: Time, time_ns: int) -> None:
     stamp.sec, stamp.nanosec = divmod(time_ns, NANOSECONDS)
 
 
-def pose_from_odometry(message: Odometry) -> Pose:
+def pose_in_plane(pose: PoseMessage) -> Pose:
     """
-    Return the pose in the plane that an odometry tells.
+    Return a pose in the plane.
 
     Raises
     ------
     ValueError
-        If a number is not finite.
+        If a number is not finite or is absurdly large, or the orientation is none.
 
     """
-    at, q = message.pose.pose.position, message.pose.pose.orientation
-    if not all(map(math.isfinite, (at.x, at.y, q.x, q.y, q.z, q.w))):
-        raise ValueError(
-            f'pose is {(at.x, at.y)!r}, {(q.x, q.y, q.z, q.w)!r}, expected finite numbers')
-    return Pose(at.x, at.y, math.atan2(
-        2.0 * (q.w * q.z + q.x * q.y), 1.0 - 2.0 * (q.y * q.y + q.z * q.z)))
+    at, q = pose.position, pose.orientation
+    return planar_pose(at.x, at.y, (q.x, q.y, q.z, q.w))
 
 
 def given_pose(message: PoseWithCovarianceStamped, frame_id: str) -> Tuple[
@@ -84,9 +80,7 @@ def given_pose(message: PoseWithCovarianceStamped, frame_id: str) -> Tuple[
     """
     if message.header.frame_id != frame_id:
         raise ValueError(f'frame_id is {message.header.frame_id!r}, expected {frame_id!r}')
-    at, q = message.pose.pose.position, message.pose.pose.orientation
-    pose = planar_pose(at.x, at.y, (q.x, q.y, q.z, q.w))
-    return pose, planar_covariance(message.pose.covariance)
+    return pose_in_plane(message.pose.pose), planar_covariance(message.pose.covariance)
 
 
 def check_stamp(stamp: Time) -> None:

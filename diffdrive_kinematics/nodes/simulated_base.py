@@ -26,13 +26,12 @@ from diffdrive_kinematics.core.distributions import sample_heading
 from diffdrive_kinematics.core.encoders import Encoder
 from diffdrive_kinematics.core.frames import composed, inverted, OdometryHistory
 from diffdrive_kinematics.core.geometry import WheelGeometry
-from diffdrive_kinematics.core.planar import planar_pose
 from diffdrive_kinematics.core.wheel_motion import Pair, timeout_from_seconds
 from diffdrive_kinematics.nodes.diagnostics import (
     Diagnosis, heard_values, Look, silence, slowness, stamp_values)
 from diffdrive_kinematics.nodes.from_values import check_sides, check_wiring, wheel_geometry
 from diffdrive_kinematics.nodes.messages import (
-    given_pose, nanoseconds, OdometryMessage, WheelMessage, WheelReader)
+    given_pose, nanoseconds, OdometryMessage, pose_in_plane, WheelMessage, WheelReader)
 from diffdrive_kinematics.nodes.node import DiffDriveNode
 from diffdrive_kinematics.nodes.path import PathPublisher
 from diffdrive_kinematics.nodes.running import main_of
@@ -158,8 +157,7 @@ class SimulatedBase(DiffDriveNode[Config]):
         if belief.header.frame_id in ('', own):
             raise ValueError(
                 f'frame_id is {belief.header.frame_id!r}, expected another frame than {own!r}')
-        at, q = belief.pose.pose.position, belief.pose.pose.orientation
-        believed = planar_pose(at.x, at.y, (q.x, q.y, q.z, q.w))
+        believed = pose_in_plane(belief.pose.pose)
         self._synchronised_now()
         if self._odometry.motion is None:
             return
