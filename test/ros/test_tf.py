@@ -27,7 +27,7 @@ from sensor_msgs.msg import JointState
 
 needs_tf = pytest.mark.skipif(
     not importlib.util.find_spec('tf2_msgs'),
-    reason='tf2_msgs is not installed; .ci/build_tf2_msgs builds it where ROS is from PyPI')
+    reason='tf2_msgs is not installed; .ci/build_tf2_msgs builds it where ROS is from wheels')
 JOINTS = ['left_wheel_joint', 'right_wheel_joint']
 BELIEF = {**KHEPERA, 'command_timeout': 0.0}
 TRUTH = {
