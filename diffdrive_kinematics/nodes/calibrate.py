@@ -27,7 +27,7 @@ from diffdrive_kinematics.nodes.from_values import check_sides, wheel_geometry
 from diffdrive_kinematics.nodes.messages import WheelReader
 from diffdrive_kinematics.nodes.node import DiffDriveNode
 from diffdrive_kinematics.nodes.parameters import ConfigurationError
-from diffdrive_kinematics.nodes.running import finish, make_executor, run, spin, Stop
+from diffdrive_kinematics.nodes.running import run, spin_node, Stop
 from diffdrive_kinematics.nodes.tables import CALIBRATE
 from diffdrive_kinematics.nodes.wheel_joints import wheel_joints
 from geometry_msgs.msg import PoseStamped
@@ -180,11 +180,7 @@ def work(stop: Stop) -> int:
 
 def _collect(node: Calibrate, stop: Stop) -> int:
     node.listen()
-    executor = make_executor([node])
-    try:
-        spin(executor, lambda: node.done, stop)
-    finally:
-        finish([node], executor)
+    spin_node(node, stop)
     if not node.done:
         print('not finished: nothing is written', flush=True)
     return 0

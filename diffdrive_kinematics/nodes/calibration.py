@@ -26,7 +26,8 @@ from diffdrive_kinematics.core.trajectory_fit import (
     Clock, COMMANDED, fit_trajectory, TrajectoryFit, Windows)
 from diffdrive_kinematics.core.umbmark import corrected, ReturnError, umbmark
 
-__all__ = ['CLOCKS', 'Calibration', 'Gain', 'Row', 'of_segments', 'of_squares', 'table']
+__all__ = [
+    'CLOCKS', 'Calibration', 'Gain', 'MULTIPLIERS', 'Row', 'of_segments', 'of_squares', 'table']
 
 CLOCKS = {'none': Clock.NONE, 'delay': Clock.DELAY, 'offsets': Clock.OFFSETS,
           'drifts': Clock.DRIFTS}

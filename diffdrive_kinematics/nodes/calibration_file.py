@@ -19,7 +19,7 @@ from pathlib import Path
 import tempfile
 from typing import List, Mapping, Tuple
 
-from diffdrive_kinematics.nodes.calibration import Calibration
+from diffdrive_kinematics.nodes.calibration import Calibration, MULTIPLIERS
 
 __all__ = ['check_writable', 'params_text', 'write']
 
@@ -41,10 +41,7 @@ NODES = 'diff_drive_controller', 'wheel_odometry', 'simulated_base'
 def params_text(calibration: Calibration, name: str) -> str:
     """Return the text of the params file, for a file of this name."""
     geometry, (left, right) = calibration.geometry, calibration.slips
-    multipliers = {
-        'left_wheel_radius_multiplier': geometry.left_wheel_radius_multiplier,
-        'right_wheel_radius_multiplier': geometry.right_wheel_radius_multiplier,
-        'wheel_separation_multiplier': geometry.wheel_separation_multiplier}
+    multipliers = {name: getattr(geometry, name) for name in MULTIPLIERS}
     slips = {'left_slip_variance': left, 'right_slip_variance': right}
     bias = {'left_bias': geometry.left_wheel_radius_multiplier - 1.0,
             'right_bias': geometry.right_wheel_radius_multiplier - 1.0}

@@ -32,7 +32,7 @@ from rclpy.executors import Executor, ExternalShutdownException, SingleThreadedE
 from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.signals import SignalHandlerOptions
 
-__all__ = ['Stop', 'finish', 'main_of', 'make_executor', 'run', 'spin']
+__all__ = ['Stop', 'finish', 'main_of', 'make_executor', 'run', 'spin', 'spin_node']
 
 SPIN_TIMEOUT_S = 0.1
 CONFIGURATION_ERROR = 2
@@ -105,15 +105,22 @@ def finish(nodes: Iterable[DiffDriveNode], executor: Executor) -> None:
     executor.shutdown()
 
 
+def spin_node(node: DiffDriveNode, stop: Stop) -> None:
+    """Spin one node until it is done or asked to stop, and let it say its last word."""
+    executor = make_executor([node])
+    try:
+        spin(executor, lambda: node.done, stop)
+    finally:
+        finish([node], executor)
+
+
 def main_of(make: Callable[[], DiffDriveNode]) -> Callable[[], None]:
     """Return the ``main`` of an executable that runs one node."""
     def work(stop: Stop) -> int:
         node = make()
-        executor = make_executor([node])
         try:
-            spin(executor, lambda: node.done, stop)
+            spin_node(node, stop)
         finally:
-            finish([node], executor)
             node.destroy_node()
         return 0
 

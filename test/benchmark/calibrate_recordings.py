@@ -31,15 +31,15 @@ TEST = Path(__file__).resolve().parents[1]
 sys.path[:0] = [str(TEST.parent), str(TEST / 'support')]
 
 from diffdrive_kinematics.core.geometry import WheelGeometry  # noqa: E402, I100
-from diffdrive_kinematics.core.recording import (  # noqa: E402
-    segment_from_commands, segment_from_ticks)
+from diffdrive_kinematics.core.recording import segment_from_commands  # noqa: E402
 from diffdrive_kinematics.core.segment_slip import fit_segment_slip  # noqa: E402
 from diffdrive_kinematics.core.trajectory_fit import (  # noqa: E402
     Clock, COMMANDED, fit_trajectory, NO_FRAME)
 from diffdrive_kinematics.core.trajectory_windows import (  # noqa: E402
-    linearised, odometry_at, Systematic, windows_between)
+    linearised, Systematic, windows_between)
 from diffdrive_kinematics.core.umbmark import corrected, ReturnError, umbmark  # noqa: E402
-from recorded import RADIUS, SEPARATION, TICKS_PER_TURN  # noqa: E402
+from end_points import encoder_segment, predicted_end  # noqa: E402
+from recorded import RADIUS, SEPARATION  # noqa: E402
 
 SESSIONS = {'1.7 m squares': 'square_231220200029', '0.75 m squares': 'square_230620202042',
             'circles': 'circular_231220200121', 'free paths': 'free_030120210006'}
@@ -52,24 +52,6 @@ def columns(path, *names):
     """Return columns of a file, shape (n, names)."""
     rows = np.genfromtxt(path, delimiter=',', names=True)
     return np.stack([rows[name] for name in names], axis=1)
-
-
-def encoder_segment(path):
-    """Return the segment of a file with encoder ticks and poses in each row."""
-    time = columns(path, 'time_sec')[:, 0]
-    return segment_from_ticks(time, columns(path, 'left_ticks', 'right_ticks'), time,
-                              columns(path, 'x', 'y', 'yaw'), ticks_per_turn=TICKS_PER_TURN)
-
-
-def predicted_end(geometry, frame, segment):
-    """Return where odometry from the first reference pose ends, and where the centre is then."""
-    theta = segment.reference[[0, -1], 2] - frame.theta
-    lever = np.stack([np.cos(theta) * frame.x - np.sin(theta) * frame.y,
-                      np.sin(theta) * frame.x + np.cos(theta) * frame.y], axis=1)
-    start, end = segment.reference[[0, -1], :2] - lever
-    x, y, _ = odometry_at(geometry, segment, Systematic())[-1]
-    c, s = math.cos(theta[0]), math.sin(theta[0])
-    return start + [c * x - s * y, s * x + c * y], end
 
 
 def end_error(geometry, frame, segments):

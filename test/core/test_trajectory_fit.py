@@ -20,15 +20,16 @@ import math
 
 from diffdrive_kinematics.core.arc import Pose
 from diffdrive_kinematics.core.geometry import WheelGeometry
-from diffdrive_kinematics.core.recording import segment_from_positions, segment_from_ticks
+from diffdrive_kinematics.core.recording import segment_from_positions
 from diffdrive_kinematics.core.segment_slip import fit_segment_slip
 from diffdrive_kinematics.core.trajectory_fit import Clock, fit_trajectory, NO_FRAME, Windows
 from diffdrive_kinematics.core.trajectory_windows import (
-    linearised, odometry_at, Systematic, windows_between)
+    linearised, Systematic, windows_between)
 from drives import curved_twists, Disturbance, drive, EXACT, GEOMETRY, Truth
+from end_points import encoder_segment, predicted_end
 import numpy as np
 import pytest
-from recorded import RADIUS, RUNS, SEPARATION, TICKS_PER_TURN
+from recorded import RADIUS, RUNS, SEPARATION
 
 NAMES = ('left_wheel_radius_multiplier', 'right_wheel_radius_multiplier',
          'wheel_separation_multiplier', 'frame_x', 'frame_y', 'frame_yaw')
@@ -238,31 +239,13 @@ def test_slip_after_the_calibration_is_that_which_was_put_in():
         fit_segment_slip(GEOMETRY, segments[1:], fit)
 
 
-def recorded_segments():
-    """Return the recorded runs of a real robot."""
-    found = []
-    for path in RUNS:
-        rows = np.genfromtxt(path, delimiter=',', names=True)
-        found.append(segment_from_ticks(
-            rows['time_sec'], np.stack([rows['left_ticks'], rows['right_ticks']], axis=1),
-            rows['time_sec'], np.stack([rows['x'], rows['y'], rows['yaw']], axis=1),
-            ticks_per_turn=TICKS_PER_TURN))
-    return found
-
-
 def end_error(geometry, frame, segment):
     """Return the distance [m] of odometry from the reference at the end of a run."""
-    theta = segment.reference[[0, -1], 2] - frame.theta
-    lever = np.stack([np.cos(theta) * frame.x - np.sin(theta) * frame.y,
-                      np.sin(theta) * frame.x + np.cos(theta) * frame.y], axis=1)
-    start, end = segment.reference[[0, -1], :2] - lever
-    x, y, _ = odometry_at(geometry, segment, Systematic())[-1]
-    cosine, sine = math.cos(theta[0]), math.sin(theta[0])
-    return math.hypot(*(start + [cosine * x - sine * y, sine * x + cosine * y] - end))
+    return math.dist(*predicted_end(geometry, frame, segment))
 
 
 def test_a_real_robot_calibrated_on_some_runs_ends_nearer_to_the_truth_on_others():
-    segments, nominal = recorded_segments(), WheelGeometry(SEPARATION, RADIUS)
+    segments, nominal = [*map(encoder_segment, RUNS)], WheelGeometry(SEPARATION, RADIUS)
     assert Counter(np.sign(segment.reference[-1, 2]) for segment in segments) == {1.0: 3, -1.0: 3}
     chosen = [segments[n] for n in (0, 1, 3, 4)]
     fit = fit_trajectory(nominal, chosen)

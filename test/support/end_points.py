@@ -1,0 +1,42 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Recorded drives of encoders as segments, and where odometry says that they end."""
+
+import math
+
+from diffdrive_kinematics.core.recording import segment_from_ticks
+from diffdrive_kinematics.core.trajectory_windows import odometry_at, Systematic
+import numpy as np
+from recorded import TICKS_PER_TURN
+
+
+def encoder_segment(path):
+    """Return the segment of a file with encoder ticks and poses in each row."""
+    rows = np.genfromtxt(path, delimiter=',', names=True)
+    return segment_from_ticks(
+        rows['time_sec'], np.stack([rows['left_ticks'], rows['right_ticks']], axis=1),
+        rows['time_sec'], np.stack([rows['x'], rows['y'], rows['yaw']], axis=1),
+        ticks_per_turn=TICKS_PER_TURN)
+
+
+def predicted_end(geometry, frame, segment):
+    """Return where odometry from the first reference pose ends, and where the centre is then."""
+    theta = segment.reference[[0, -1], 2] - frame.theta
+    lever = np.stack([np.cos(theta) * frame.x - np.sin(theta) * frame.y,
+                      np.sin(theta) * frame.x + np.cos(theta) * frame.y], axis=1)
+    start, end = segment.reference[[0, -1], :2] - lever
+    x, y, _ = odometry_at(geometry, segment, Systematic())[-1]
+    c, s = math.cos(theta[0]), math.sin(theta[0])
+    return start + [c * x - s * y, s * x + c * y], end
