@@ -161,9 +161,9 @@ def test_inverted_wheels_have_the_sign_of_their_joints_in_every_message(graph, i
     noisy = graph.collect(JointState, 'noisy_wheel_rates')
     odometry = graph.collect(Odometry, 'odom')
     states = graph.collect(JointState, 'joint_states')
-    graph.wait_for(lambda: odometry, 'odometry')
+    graph.wait_for(lambda: all((rates, arrays, noisy, odometry, states)), 'every topic')
     graph.publisher(Twist, 'cmd_vel').publish(twist(RADIUS, 0.0))
-    graph.wait_for(lambda: states and odometry and odometry[-1].twist.twist.linear.x
+    graph.wait_for(lambda: odometry[-1].twist.twist.linear.x
                    and abs(states[-1].position[0]) > 0.5, 'motion')
     assert list(rates[-1].velocity) == pytest.approx(signs, rel=1e-12)
     assert list(arrays[-1].data) == pytest.approx(signs, rel=1e-12)

@@ -51,7 +51,8 @@ def test_the_path_has_published_poses_that_are_far_enough_apart(graph):
         lambda: paths and len(paths[-1].poses) > 5 and paths[-1], 'a path of some poses')
     assert path.header.frame_id == 'map'
     assert stamp_ns(path) == stamp_ns(path.poses[-1])
-    graph.wait_for(lambda: stamp_ns(odometry[-1]) >= stamp_ns(path), 'its odometry')
+    graph.wait_for(
+        lambda: odometry and stamp_ns(odometry[-1]) >= stamp_ns(path), 'its odometry')
     published = {stamp_ns(message): message.pose.pose for message in odometry}
     for pose in path.poses:
         assert pose.header.frame_id == 'map'
