@@ -21,7 +21,8 @@ change is stamped with the time from which it holds, computed from the stamps of
 never from the moment at which somebody asked, so timers only decide when a change is told.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from functools import cached_property
 import math
 from typing import List, NamedTuple, Optional, Tuple
 
@@ -86,12 +87,12 @@ class DriveSettings:
             raise ValueError(
                 f'max_wheel_rate is {self.max_wheel_rate!r}, expected above 0, or NaN')
 
-    @property
+    @cached_property
     def ramps(self) -> bool:
         """Whether a change of the twist takes more than one step."""
         return self.linear.ramps or self.angular.ramps
 
-    @property
+    @cached_property
     def period_ns(self) -> int:
         """Length of a step of the ramp [ns]."""
         return max(1, round(NANOSECONDS / self.publish_rate))
@@ -106,8 +107,7 @@ class DriveTelling(NamedTuple):
     twist: Twist
 
 
-@dataclass(frozen=True)
-class Drive:
+class Drive(NamedTuple):
     """
     The commanded motion, from ``since_ns`` on.
 
@@ -171,7 +171,7 @@ class Drive:
         drive, changes = self.advanced(stamp_ns)
         timeout = drive.settings.cmd_vel_timeout
         deadline = stamp_ns + round(timeout * NANOSECONDS) if timeout else None
-        drive = replace(drive, target=target, deadline_ns=deadline)
+        drive = drive._replace(target=target, deadline_ns=deadline)
         if drive.step_ns is None:
             drive, change = drive._stepped(max(stamp_ns, drive.since_ns + 1))
             changes += change
@@ -188,7 +188,7 @@ class Drive:
             if event is None or event > now_ns:
                 return drive, changes
             if event == drive.deadline_ns:
-                drive = replace(drive, target=STILL, deadline_ns=None,
+                drive = drive._replace(target=STILL, deadline_ns=None,
                                 timeouts=drive.timeouts + (drive.target != STILL))
                 if drive.step_ns is not None:
                     continue
@@ -205,7 +205,7 @@ class Drive:
             self, settings: DriveSettings, now_ns: int) -> Tuple['Drive', List[DriveTelling]]:
         """Return the drive under new settings from ``now_ns`` on: the same target anew."""
         drive, changes = self.advanced(now_ns)
-        drive = replace(drive, settings=settings)
+        drive = drive._replace(settings=settings)
         if drive.step_ns is not None and settings.period_ns != self.settings.period_ns:
             drive = drive._on_grid_from(now_ns, settings.period_ns / self.settings.period_ns)
         if drive.step_ns is None or not settings.ramps:
@@ -215,8 +215,8 @@ class Drive:
 
     def clock_stepped(self, step_ns: int) -> 'Drive':
         """Return the drive as it reads after the clock itself was stepped."""
-        return replace(
-            self, since_ns=self.since_ns + step_ns,
+        return self._replace(
+            since_ns=self.since_ns + step_ns,
             deadline_ns=None if self.deadline_ns is None else self.deadline_ns + step_ns,
             step_ns=None if self.step_ns is None else self.step_ns + step_ns)
 
@@ -228,23 +228,23 @@ class Drive:
         within_reach = self._towards(goal)
         twist, (left, right, factor) = self._saturated(within_reach)
         settled = not self.settings.ramps or twist == self.twist == self.before
-        drive = replace(
-            self, twist=twist, before=self.twist,
+        drive = self._replace(
+            twist=twist, before=self.twist,
             step_ns=None if settled else time_ns + self.settings.period_ns,
             saturated=self.saturated + (min(cut.factor, factor) < 1.0),
             limited=self.limited + (allowed != self.target or within_reach != goal))
         if (left, right) == self.rates and twist == self.twist:
             return drive, []
         angle_left, angle_right = self._angles(time_ns)
-        drive = replace(
-            drive, since_ns=time_ns, rates=(left, right), left=angle_left, right=angle_right)
+        drive = drive._replace(
+            since_ns=time_ns, rates=(left, right), left=angle_left, right=angle_right)
         return drive, [drive.told(time_ns)]
 
     def _on_grid_from(self, now_ns: int, ratio: float) -> 'Drive':
         """Go on ramping with steps of another length, at the acceleration reached."""
         before = Twist(self.twist.v - ratio * (self.twist.v - self.before.v),
                        self.twist.w - ratio * (self.twist.w - self.before.w))
-        return replace(self, before=before, step_ns=now_ns + self.settings.period_ns)
+        return self._replace(before=before, step_ns=now_ns + self.settings.period_ns)
 
     def _saturated(self, twist: Twist) -> Tuple[Twist, SaturatedRates]:
         rates = saturate(*wheel_rates_from_twist(self.settings.geometry, *twist),

@@ -36,7 +36,7 @@ never on when a sample happened to arrive or how often somebody looked.
 from dataclasses import dataclass, replace
 import enum
 import math
-from typing import Optional, Tuple
+from typing import NamedTuple, Optional, Tuple
 
 from diffdrive_kinematics.core.checks import is_sane, LARGEST
 
@@ -79,8 +79,7 @@ class WheelSample:
                     f'within +-{LARGEST:g}')
 
 
-@dataclass(frozen=True)
-class WheelMotion:
+class WheelMotion(NamedTuple):
     """
     What is known about the wheels since the anchor.
 
@@ -108,8 +107,7 @@ class Verdict(enum.Enum):
     CLOCK_STEP = 'clock step'
 
 
-@dataclass(frozen=True)
-class Received:
+class Received(NamedTuple):
     """
     The motion after a sample, and the angle [rad] rolled between the two anchors.
 
@@ -141,8 +139,8 @@ def first_motion(sample: WheelSample) -> WheelMotion:
 
 def shifted(motion: WheelMotion, step_ns: int) -> WheelMotion:
     """Return the motion as it reads after the clock itself was stepped by ``step_ns``."""
-    return replace(
-        motion, anchor_ns=motion.anchor_ns + step_ns, last_ns=motion.last_ns + step_ns)
+    return motion._replace(
+        anchor_ns=motion.anchor_ns + step_ns, last_ns=motion.last_ns + step_ns)
 
 
 def rolled(motion: WheelMotion, time_ns: int, timeout_ns: Optional[int]) -> Pair:
@@ -211,8 +209,8 @@ def receive(
     following = first_motion(sample)
     if sample.rates is None:
         seconds = (stamp - motion.anchor_ns) / NANOSECONDS
-        following = replace(
-            following, rates=(travelled[0] / seconds, travelled[1] / seconds))
+        following = following._replace(
+            rates=(travelled[0] / seconds, travelled[1] / seconds))
     known = ZERO if as_held or stamp <= motion.last_ns else rolled(
         motion, motion.last_ns, timeout_ns)
     return Received(following, travelled, Verdict.MOVED, known)
@@ -223,7 +221,7 @@ def _renewed(motion: WheelMotion, repeat: WheelSample, held: Pair) -> WheelMotio
     if repeat.stamp_ns < motion.last_ns:
         return motion
     reference = motion.reference if repeat.positions else (-held[0], -held[1])
-    return replace(motion, last_ns=repeat.stamp_ns, reference=reference)
+    return motion._replace(last_ns=repeat.stamp_ns, reference=reference)
 
 
 def _stepped(

@@ -14,7 +14,7 @@
 
 """``simulated_base``: wheel motion in, odometry, joint states and tf out."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 import math
 from typing import Any, Mapping, Optional, Tuple
 
@@ -103,10 +103,10 @@ class SimulatedBase(DiffDriveNode[Config]):
         self._reader = WheelReader(
             joints, positions=values['position_feedback'], encoder_range=encoder.period)
         pose, covariance = _start(values)
-        self._odometry = replace(core.Odometry.starting_at(
+        self._odometry = core.Odometry.starting_at(
             pose, geometry=self.config.geometry, timeout_ns=self.config.timeout_ns,
-            slip_variances=self.config.slip_variances, covariance=covariance),
-            max_rate=_bound(values))
+            slip_variances=self.config.slip_variances, covariance=covariance)._replace(
+                max_rate=_bound(values))
         self._wheels = WheelMessage(joints, self.source(), encoder)
         prefix = frame_prefix(values, self.get_namespace())
         self._message = OdometryMessage(
@@ -260,7 +260,7 @@ class SimulatedBase(DiffDriveNode[Config]):
                 old.geometry, old.timeout_ns, old.slip_variances):
             self._odometry = old.configured(
                 config.geometry, config.timeout_ns, now_ns, config.slip_variances)
-        self._odometry = replace(self._odometry, max_rate=_bound(config.values))
+        self._odometry = self._odometry._replace(max_rate=_bound(config.values))
         self._history = self._history.followed(self._odometry)
         self._set_diagonals(config.values)
         self._timer = self.retimed(self._timer, config.values['publish_rate'], self._tick)
