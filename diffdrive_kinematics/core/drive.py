@@ -182,14 +182,13 @@ class Drive(NamedTuple):
         drive: Drive = self
         changes: List[DriveTelling] = []
         while True:
-            event = min(
-                (time for time in (drive.deadline_ns, drive.step_ns) if time is not None),
-                default=None)
+            event = _earlier(drive.deadline_ns, drive.step_ns)
             if event is None or event > now_ns:
                 return drive, changes
             if event == drive.deadline_ns:
-                drive = drive._replace(target=STILL, deadline_ns=None,
-                                timeouts=drive.timeouts + (drive.target != STILL))
+                drive = drive._replace(
+                    target=STILL, deadline_ns=None,
+                    timeouts=drive.timeouts + (drive.target != STILL))
                 if drive.step_ns is not None:
                     continue
             drive, change = drive._stepped(max(event, drive.since_ns + 1))
@@ -226,7 +225,10 @@ class Drive(NamedTuple):
                         self.settings.angular.limit_velocity(self.target.w))
         goal, cut = self._saturated(allowed)
         within_reach = self._towards(goal)
-        twist, (left, right, factor) = self._saturated(within_reach)
+        if within_reach is goal and cut.factor == 1.0:
+            twist, (left, right, factor) = goal, cut
+        else:
+            twist, (left, right, factor) = self._saturated(within_reach)
         settled = not self.settings.ramps or twist == self.twist == self.before
         drive = self._replace(
             twist=twist, before=self.twist,
@@ -266,3 +268,10 @@ class Drive(NamedTuple):
         seconds = (time_ns - self.since_ns) / NANOSECONDS
         return (self.left.plus(self.rates[0] * seconds),
                 self.right.plus(self.rates[1] * seconds))
+
+
+def _earlier(one: Optional[int], other: Optional[int]) -> Optional[int]:
+    """Return the earlier of two times [ns]; None never comes."""
+    if one is None or other is None:
+        return other if one is None else one
+    return one if one < other else other

@@ -39,6 +39,7 @@ from diffdrive_kinematics.core.wheel_motion import (
 __all__ = ['BaseReading', 'Odometry']
 
 NO_SLIP: Pair = (0.0, 0.0)
+NOTHING: Pair = (0.0, 0.0)
 
 
 class BaseReading(NamedTuple):
@@ -134,7 +135,7 @@ class Odometry(NamedTuple):
             return self._replace(motion=result.motion), result.verdict
         self._check_sane(result.rolled, 'position')
         odometry, rest = self, result.rolled
-        if any(result.known):
+        if result.known != NOTHING:
             odometry = self._rolled(result.known, self.motion)
             rest = rest[0] - result.known[0], rest[1] - result.known[1]
         return odometry._rolled(rest, result.motion), result.verdict
@@ -252,10 +253,10 @@ class Odometry(NamedTuple):
         """Return the odometry with the anchor moved by an angle [rad], and what follows it."""
         left, right = angle
         dx, dy, turn = self._change(left, right)
-        return self._replace(
-            x=self.x.plus(dx), y=self.y.plus(dy), theta=self.theta.plus(turn),
-            left=self.left.plus(left), right=self.right.plus(right), motion=motion,
-            covariance=self._covariance_after(angle))
+        return Odometry(
+            self.geometry, self.timeout_ns, self.x.plus(dx), self.y.plus(dy),
+            self.theta.plus(turn), self.left.plus(left), self.right.plus(right), motion,
+            self.slip_variances, self._covariance_after(angle), self.max_rate)
 
     def _change(self, left: float, right: float) -> Tuple[float, float, float]:
         """
