@@ -163,6 +163,13 @@ class DiffDriveNode(Node, Generic[Config]):
             self._traffic.count_sent(publisher)
         return publisher
 
+    def sender(self, message_type: type, topic: str) -> Callable[[bytes], None]:
+        """Return what publishes serialised messages of a type on a topic."""
+        publisher = self.publisher(message_type, topic)
+        if self._traffic:
+            return lambda data: publisher.publish(data)
+        return publisher.handle.publish_raw
+
     def subscribe(
             self, message_type: type, topic: str, callback: Callable[[Any], None], *,
             raw: bool = False, best_effort: bool = False) -> Subscription:

@@ -20,6 +20,7 @@ The executor of the package, and how an executable runs and ends.
 callbacks.  Where it is missing, SingleThreadedExecutor takes its place.
 """
 
+import gc
 import signal
 import sys
 from typing import Callable, Iterable, List, Optional
@@ -86,6 +87,7 @@ def spin(
         executor: Executor, timers: SteadyTimers, finished: Callable[[], bool],
         stop: Stop) -> None:
     """Spin, and fire timers, until finished or asked to stop."""
+    gc.freeze()  # what start-up made stays: nothing is gained by looking at it again and again
     spin_once, seconds_left, fire_due = executor.spin_once, timers.seconds_left, timers.fire_due
     while not stop and not finished():
         spin_once(timeout_sec=seconds_left(SPIN_TIMEOUT_S))

@@ -115,9 +115,9 @@ class SimulatedBase(DiffDriveNode[Config]):
         self._frames = self._message.frame_id, self._message.child_frame_id
         self._set_diagonals(values)
         topic = values['odom_topic']
-        self._publisher = self.publisher(Odometry, topic) if topic else None
+        self._send_odometry = self.sender(Odometry, topic) if topic else None
         topic = values['joint_states_topic']
-        self._joints_publisher = self.publisher(JointState, topic) if topic else None
+        self._send_joints = self.sender(JointState, topic) if topic else None
         self._transform = self._transforms('enable_odom_tf')
         self._map_odom = self._transforms('publish_map_odom_tf')
         self._history = OdometryHistory((self._odometry,))
@@ -211,12 +211,11 @@ class SimulatedBase(DiffDriveNode[Config]):
             return
         self.sent += 1
         reading = self._odometry.at(now_ns)
-        if self._publisher:
+        if self._send_odometry:
             self._set_covariances(now_ns, reading.rates)
-            self._publisher.publish(self._message.filled(now_ns, reading))
-        if self._joints_publisher:
-            self._joints_publisher.publish(
-                self._wheels.filled(now_ns, reading.rates, reading.angles))
+            self._send_odometry(self._message.filled(now_ns, reading))
+        if self._send_joints:
+            self._send_joints(self._wheels.filled(now_ns, reading.rates, reading.angles))
         if self._transform:
             self._transform.publish(now_ns, self._frames, reading.pose)
         if self._path:
