@@ -135,11 +135,10 @@ class SteadyTimers(Timers):
         now_ns = time.monotonic_ns()
         if now_ns < self._next_ns:
             return
-        self._next_ns = NEVER_NS
         for timer in tuple(self.timers):
             if timer.next_ns <= now_ns:
                 self.fire(timer)
-            self.expect(timer.next_ns)
+        self._next_ns = min([timer.next_ns for timer in self.timers], default=NEVER_NS)
 
 
 class SteppedClock(Timers):

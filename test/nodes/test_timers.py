@@ -1,0 +1,126 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Timers that the loop of a process fires by itself."""
+
+from diffdrive_kinematics.nodes import clocks
+from diffdrive_kinematics.nodes.clocks import SteadyTimers
+from hypothesis import given, strategies as st
+import pytest
+
+MS = 10**6
+
+
+@pytest.fixture
+def steady(monkeypatch):
+    """Yield a list of one time [ns], which the steady clock shows."""
+    now = [1234567 * MS + 89]
+    monkeypatch.setattr(clocks.time, 'monotonic_ns', lambda: now[0])
+    return now
+
+
+def test_timers_of_one_rate_fire_in_step_in_the_order_in_which_they_were_made(steady):
+    timers, fired = SteadyTimers(), []
+    for name in 'abc':
+        timers.create_timer(10 * MS, lambda name=name: fired.append((name, steady[0])))
+        steady[0] += 3 * MS  # made at different times
+    steady[0] = 1234580 * MS - 1
+    timers.fire_due()
+    assert fired == [('a', steady[0])]  # due at 1234570 ms; the others were made after that
+    fired.clear()
+    steady[0] = 1234580 * MS
+    timers.fire_due()
+    assert fired == [(name, steady[0]) for name in 'abc']
+
+
+def test_a_timer_fires_a_period_apart_and_skips_what_it_has_missed(steady):
+    timers, fired = SteadyTimers(), []
+    timer = timers.create_timer(10 * MS, lambda: fired.append(steady[0]))
+    first = timer.next_ns
+    assert steady[0] < first <= steady[0] + 10 * MS
+    for late in (0, 1, 10 * MS + 5, 35 * MS):
+        steady[0] = first + late
+        timers.fire_due()
+    assert fired == [first, first + 10 * MS + 5, first + 35 * MS]
+    assert timer.next_ns == first + 40 * MS
+
+
+@given(st.lists(st.integers(1, 100 * MS), min_size=1, max_size=6))
+def test_the_time_left_is_that_to_the_first_that_is_due(periods):
+    """Whatever was fired before; where nothing is due it is the bound."""
+    with pytest.MonkeyPatch.context() as patch:
+        now = [77 * MS + 3]
+        patch.setattr(clocks.time, 'monotonic_ns', lambda: now[0])
+        timers = SteadyTimers()
+        timers.fire_due()
+        assert timers.seconds_left(0.1) == 0.1
+        made = [timers.create_timer(period, lambda: None) for period in periods]
+        for _ in range(5):
+            due = min(timer.next_ns for timer in made)
+            assert timers.seconds_left(1.0) == pytest.approx((due - now[0]) / 1e9, abs=1e-9)
+            now[0] = due
+            assert timers.seconds_left(1.0) == 0.0
+            timers.fire_due()
+            assert min(timer.next_ns for timer in made) > now[0]
+
+
+def test_a_timer_that_is_reset_fires_a_period_after_that(steady):
+    timers, fired = SteadyTimers(), []
+    timer = timers.create_timer(10 * MS, lambda: fired.append(steady[0]))
+    timer.reset()
+    end = steady[0] + 10 * MS
+    steady[0] = end - 1
+    timers.fire_due()
+    assert fired == [] and timers.seconds_left(1.0) == 1e-9
+    steady[0] = end
+    timers.fire_due()
+    assert fired == [end]
+    timer.timer_period_ns = 2 * MS
+    timer.reset()
+    steady[0] += 2 * MS
+    timers.fire_due()
+    assert fired == [end, steady[0]]
+
+
+def test_a_timer_can_be_cancelled_and_another_made_while_timers_fire(steady):
+    timers, fired = SteadyTimers(), []
+
+    def replace():
+        fired.append('first')
+        second.cancel()
+        first.cancel()
+        timers.create_timer(10 * MS, lambda: fired.append('third'))
+
+    first = timers.create_timer(10 * MS, replace)
+    second = timers.create_timer(10 * MS, lambda: fired.append('second'))
+    for _ in range(2):
+        steady[0] += 10 * MS
+        timers.fire_due()
+    assert fired == ['first', 'third']
+    assert 0.0 < timers.seconds_left(1.0) <= 0.01
+
+
+def test_what_a_timer_raises_is_not_lost_and_does_not_stop_the_others(steady):
+    timers, fired = SteadyTimers(), []
+
+    def fail():
+        raise RuntimeError('as it happens')
+
+    timers.create_timer(10 * MS, fail)
+    timers.create_timer(10 * MS, lambda: fired.append(steady[0]))
+    steady[0] += 10 * MS
+    with pytest.raises(RuntimeError):
+        timers.fire_due()
+    timers.fire_due()
+    assert fired == [steady[0]]
