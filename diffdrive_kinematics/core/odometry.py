@@ -156,6 +156,8 @@ class Odometry:
 
         """
         slip = _check_slip(self.slip_variances if slip_variances is None else slip_variances)
+        if self.motion is not None:
+            now_ns = reached(self.motion, now_ns, self.timeout_ns)
         if self.motion is None or not self.motion.holds or now_ns <= self.motion.anchor_ns:
             return replace(
                 self, geometry=geometry, timeout_ns=timeout_ns, slip_variances=slip)
@@ -187,7 +189,8 @@ class Odometry:
             check_finite(f'{name} of the pose', float(value))
         angle, motion = (0.0, 0.0), self.motion
         if motion is not None:
-            time_ns = max(now_ns, motion.anchor_ns) if motion.holds else motion.anchor_ns
+            time_ns = max(reached(motion, now_ns, self.timeout_ns), motion.anchor_ns) \
+                if motion.holds else motion.anchor_ns
             angle = rolled(motion, time_ns, self.timeout_ns)
             motion = replace(motion, anchor_ns=time_ns, rates=(0.0, 0.0), reference=(
                 motion.reference[0] + angle[0], motion.reference[1] + angle[1]))

@@ -432,6 +432,36 @@ def test_a_publisher_whose_clock_steps_for_good_goes_on_moving_the_base(step_s):
     assert max(b - a for a, b in zip(way, way[1:])) < 0.5 * 3.0 + 0.061
 
 
+def ahead(seconds):
+    """Return a base whose publisher's clock is ahead, having driven at one speed, and the time."""
+    odometry, now_ns = START, NOW
+    for number in range(100):
+        now_ns = NOW + number * 20 * MS
+        odometry, _ = odometry.received(WheelSample(
+            now_ns + seconds * S, (3.0, 3.0), (0.06 * number, 0.06 * number)), now_ns)
+    return odometry, now_ns
+
+
+@pytest.mark.parametrize('seconds', [0, 2, 3600])
+def test_a_base_is_put_elsewhere_without_a_jump_however_far_ahead_the_publishers_clock_is(seconds):
+    odometry, now_ns = ahead(seconds)
+    placed = odometry.placed_at(Pose(0.0, 0.0, 0.0), NO_COVARIANCE, now_ns)
+    assert placed.at(now_ns).angles == odometry.at(now_ns).angles
+    moved, _ = placed.received(WheelSample(
+        now_ns + seconds * S + 20 * MS, (3.0, 3.0), (6.0, 6.0)), now_ns + 20 * MS)
+    assert moved.at(now_ns + 20 * MS).angles == pytest.approx((6.0, 6.0), abs=1e-12)
+    distance, _ = twist_from_wheel_rates(GEOMETRY, 0.06, 0.06)
+    pose = moved.at(now_ns + 20 * MS).pose
+    assert math.hypot(pose.x, pose.y) == pytest.approx(distance, rel=1e-3)
+
+
+@pytest.mark.parametrize('seconds', [0, 2, 3600])
+def test_what_was_driven_stays_driven_however_far_ahead_the_publishers_clock_is(seconds):
+    odometry, now_ns = ahead(seconds)
+    changed = odometry.configured(OTHER, T, now_ns)
+    assert_same_reading(changed.at(now_ns), odometry.at(now_ns))
+
+
 @LAW
 @given(st.integers(1, 50), pairs, pairs, st.integers(1, 19))
 def test_a_lost_change_of_the_rates_costs_the_arc_of_one_message_however_long_they_were_held(
