@@ -78,6 +78,14 @@ class Heard:
         if abs(skew) > abs(self.largest_skew_ns):
             self.largest_skew_ns = skew
 
+    def clock_stepped(self, step_ns: int) -> None:
+        """Note that the clock by which messages came was stepped."""
+        self.last_ns += step_ns
+
+    def agrees_after(self, step_ns: int) -> bool:
+        """Return whether a step of the own clock is what the last stamp was off by."""
+        return abs(self.skew_ns + step_ns) < abs(self.skew_ns)
+
     def age(self, now_ns: int) -> Optional[float]:
         """Return the time [s] since the last message; None where there was none."""
         return (now_ns - self.last_ns) / NANOSECONDS if self.count else None
@@ -138,6 +146,10 @@ class Reporter:
         rate = (sent - self._sent) / seconds if known else None
         self._look_ns, self._sent = now_ns, sent
         return Look(now_ns, rate, seconds)
+
+    def clock_stepped(self, step_ns: int) -> None:
+        """Note that the clock of the looks was stepped."""
+        self._look_ns += step_ns
 
     def report(self, now_ns: int, diagnosis: Diagnosis) -> None:
         """Publish a diagnosis; what was counted since the last one is trouble, too."""

@@ -90,6 +90,7 @@ class DiffDriveNode(Node, Generic[Config]):
         self._topics: Set[str] = set()
         self._qos_overrides = self._judged_overrides()
         self.heard, self.sent = Heard(), 0
+        self._reporter: Optional[Reporter] = None
         self.parameters: ParameterSet[Config] = ParameterSet(self, table, build)
         self._start_diagnostics(self.parameters.values.get('diagnostics_rate', 0.0))
 
@@ -108,6 +109,9 @@ class DiffDriveNode(Node, Generic[Config]):
         step_ns = self._step_watch.step_since_last(now_ns)
         if step_ns:
             self.counts['clock steps'] += 1
+            self.heard.clock_stepped(step_ns)
+            if self._reporter:
+                self._reporter.clock_stepped(step_ns)
             self.get_logger().warning(f'the clock was stepped by {step_ns / 1e9:.3f} s')
         return now_ns, step_ns
 

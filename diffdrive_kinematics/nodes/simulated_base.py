@@ -229,7 +229,7 @@ class SimulatedBase(DiffDriveNode[Config]):
 
     def _synchronised_now(self) -> int:
         now_ns, step_ns = self.now_and_step()
-        if step_ns:
+        if step_ns and not self.heard.agrees_after(step_ns):  # else the stamps were stepped before
             self._odometry = self._odometry.clock_stepped(step_ns)
             self._history = OdometryHistory((self._odometry,))
         return now_ns
