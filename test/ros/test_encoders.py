@@ -190,7 +190,9 @@ def test_encoders_that_start_again_elsewhere_are_reported_and_do_not_move_the_ro
 
 
 @pytest.mark.parametrize('name, value', [
-    ('encoder_range', -1.0), ('encoder_resolution', -1.0), ('max_encoder_rate', 0.0)])
+    ('encoder_range', -1.0), ('encoder_range', 1.5e+300), ('encoder_range', 1.5e-300),
+    ('encoder_resolution', -1.0), ('encoder_resolution', 1.5e+300),
+    ('encoder_resolution', 1.5e-300), ('max_encoder_rate', 0.0)])
 def test_impossible_encoders_are_refused_at_start(graph, name, value):
     base = graph.start('simulated_base', {**BASE, name: value})
     assert base.wait() == 2
