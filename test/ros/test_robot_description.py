@@ -102,7 +102,8 @@ def test_links_are_prefixed_as_the_base_frame_is_and_names_are_escaped():
 def test_a_late_listener_gets_the_description_and_every_change_of_geometry(graph):
     graph.start('robot_description', {**KHEPERA, 'left_wheel_names': ['fl', 'rl'],
                                       'right_wheel_names': ['fr', 'rr'],
-                                      'right_wheel_inverted': True})
+                                      'right_wheel_inverted': True,
+                                      'tf_frame_prefix_enable': True, 'tf_frame_prefix': 'a'})
     graph.wait_for(lambda: graph.node.count_publishers('robot_description'), 'the node')
     heard = []
     graph.node.create_subscription(String, 'robot_description', heard.append, LATE)
