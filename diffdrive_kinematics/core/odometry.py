@@ -205,17 +205,27 @@ class Odometry:
         """Return the odometry as it reads after the clock itself was stepped."""
         return replace(self, motion=self.motion and shifted(self.motion, step_ns))
 
-    def at(self, time_ns: int) -> BaseReading:
-        """Return the base at a time; before the anchor that is the base at the anchor."""
+    def at(self, time_ns: int, now_ns: Optional[int] = None) -> BaseReading:
+        """
+        Return the base at a time; before the anchor that is the base at the anchor.
+
+        ``now_ns`` is what the own clock shows, where the time is a past one.
+        """
         if self.motion is None:
             return BaseReading(self._pose(0.0, 0.0), (0.0, 0.0),
                                (self.left.value, self.right.value), (0.0, 0.0))
-        time_ns = reached(self.motion, time_ns, self.timeout_ns)
+        if now_ns is None or self.is_ahead(now_ns):
+            time_ns = reached(self.motion, time_ns, self.timeout_ns)
         angle = rolled(self.motion, time_ns, self.timeout_ns)
         rates = rates_at(self.motion, time_ns, self.timeout_ns)
         return BaseReading(
             self._pose(*angle), twist_from_wheel_rates(self.geometry, *rates),
             (self.left.plus(angle[0]).value, self.right.plus(angle[1]).value), rates)
+
+    def is_ahead(self, now_ns: int) -> bool:
+        """Return whether the clock of the wheels' publisher is ahead, and must be another one."""
+        return self.motion is not None and reached(
+            self.motion, now_ns, self.timeout_ns) != now_ns
 
     def covariance_at(self, time_ns: int) -> PoseCovariance:
         """

@@ -31,7 +31,7 @@ from diffdrive_kinematics.nodes.diagnostics import (
     Diagnosis, heard_values, Look, silence, slowness, stamp_values)
 from diffdrive_kinematics.nodes.from_values import check_sides, check_wiring, wheel_geometry
 from diffdrive_kinematics.nodes.messages import (
-    given_pose, nanoseconds, OdometryMessage, pose_in_plane, WheelMessage, WheelReader)
+    check_stamp, given_pose, nanoseconds, OdometryMessage, pose_in_plane, WheelMessage, WheelReader)
 from diffdrive_kinematics.nodes.node import DiffDriveNode
 from diffdrive_kinematics.nodes.path import PathPublisher
 from diffdrive_kinematics.nodes.running import main_of
@@ -157,11 +157,15 @@ class SimulatedBase(DiffDriveNode[Config]):
         if belief.header.frame_id in ('', own):
             raise ValueError(
                 f'frame_id is {belief.header.frame_id!r}, expected another frame than {own!r}')
+        check_stamp(belief.header.stamp)
+        stamp_ns = nanoseconds(belief.header.stamp)
+        if not stamp_ns:
+            raise ValueError('stamp is 0, expected the time of the pose')
         believed = pose_in_plane(belief.pose.pose)
-        self._synchronised_now()
+        now_ns = self._synchronised_now()
         if self._odometry.motion is None:
             return
-        truth = self._history.pose_at(nanoseconds(belief.header.stamp))
+        truth = self._history.pose_at(stamp_ns, now_ns)
         self._map_odom.publish_pose(
             belief.header.stamp, own, belief.header.frame_id,
             composed(truth, inverted(believed)))
