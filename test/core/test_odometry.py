@@ -224,6 +224,27 @@ def test_the_first_sample_moves_nothing_whatever_its_positions():
     assert odometry.at(5 * S).angles == STILL
 
 
+@LAW
+@given(schedules, st.sets(st.integers(0, 11)), st.tuples(
+    st.floats(-1e4, 1e4), st.floats(-1e4, 1e4)))
+def test_an_unknown_driver_that_lacks_its_positions_now_and_then_causes_no_jump(
+        samples, lacking, offset):
+    """Compare with the rates alone, which are what its encoders say: they count from anywhere."""
+    full = [replace(sample, positions=(
+        sample.positions[0] + offset[0], sample.positions[1] + offset[1]))
+        for sample in with_positions(samples)]
+    told = [replace(sample, positions=None) if number in lacking else sample
+            for number, sample in enumerate(full)]
+    end = samples[-1].stamp_ns + 50 * MS
+    assert_same_reading(fed(START, told).at(end), fed(START, samples).at(end), 1e-7)
+
+
+def test_what_a_known_publisher_rolled_since_its_first_message_counts():
+    first = WheelSample(0, STILL, source='driver#1')
+    second = WheelSample(20 * MS, STILL, (0.3, 0.4), source='driver#1')
+    assert fed(START, [first, second]).at(20 * MS).angles == (0.3, 0.4)
+
+
 def test_before_the_first_sample_the_base_stands_at_its_start():
     reading = START.at(7 * S)
     assert reading == (Pose(1.0, -2.0, 3.0), STILL, STILL, STILL)

@@ -36,13 +36,14 @@ def x_of(odometry):
     return odometry[-1].pose.pose.position.x
 
 
-def play(graph, readings, distances, joints=JOINTS):
+def play(graph, readings, distances, joints=JOINTS, velocity=()):
     """Play positions of the joints, one message each 20 ms, and see how far [m] that is."""
     odometry = graph.collect(Odometry, 'odom')
     wheels = graph.publisher(JointState, 'wheel_rates')
     start = graph.now_ns() - len(readings) * STEP_NS
     for number, (reading, distance) in enumerate(zip(readings, distances)):
-        message = JointState(name=joints, position=[float(value) for value in reading])
+        message = JointState(name=joints, position=[float(value) for value in reading],
+                             velocity=velocity)
         set_stamp(message, start + number * STEP_NS)
         wheels.publish(message)
         if number % BATCH == 0 or number == len(readings) - 1:
@@ -187,6 +188,16 @@ def test_encoders_that_start_again_elsewhere_are_reported_and_do_not_move_the_ro
     play(graph, [(reading, reading) for reading in readings],
          [RADIUS * angle for angle in angles])
     assert "jump in the positions of 'wheel_rates' (1 so far)" in base.output
+
+
+def test_positions_that_a_driver_tells_late_or_with_gaps_are_no_motion_before_they_are_told(graph):
+    """A broadcaster fills in NaN for what an encoder has not measured yet, or for once."""
+    graph.start('simulated_base', BASE)
+    nan = math.nan
+    positions = [nan, nan, 500.0, 500.1, 500.2, nan, 500.2, 500.3, nan, 500.3, 500.4]
+    angles = [0.0, 0.0, 0.0, 0.1, 0.2, 0.2, 0.2, 0.3, 0.3, 0.3, 0.4]
+    play(graph, [(position, position) for position in positions],
+         [RADIUS * angle for angle in angles], velocity=[0.0, 0.0])
 
 
 @pytest.mark.parametrize('name, value', [
