@@ -28,8 +28,9 @@ never on when a sample happened to arrive or how often somebody looked.
 * A sample between the anchor and ``last_ns`` supersedes what followed it.
 * A sample without positions is the baseline, 0, from which the positions of its publisher
   count, where it says who it is; of an unknown one it is the first positions after it, up to
-  which the rates are held.  The first sample ever heard, and the first of another source (a publisher that was
-  restarted, or a second one), is a baseline whatever it carries: up to it the rates are held.
+  which the rates are held.  The first sample ever heard, and the first of another source (a
+  publisher that was restarted, or a second one), is a baseline whatever it carries: up to it
+  the rates are held.
   So is one whose positions would need a wheel rate above ``max_rate``: encoders that started
   again elsewhere.
 """

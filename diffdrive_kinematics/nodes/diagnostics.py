@@ -34,7 +34,7 @@ OK, WARN, ERROR, STALE = (
     DiagnosticStatus.OK, DiagnosticStatus.WARN, DiagnosticStatus.ERROR, DiagnosticStatus.STALE)
 SEVERITY = (OK, STALE, WARN, ERROR)
 ALARMS = {'refused': ERROR, 'timeouts': WARN, 'out of order': WARN,
-          'clock steps in stamps': WARN, 'clock steps': WARN}
+          'clock steps in stamps': WARN, 'clock steps': WARN, 'position jumps': WARN}
 SLOW = 0.8  # of the rate that is set
 FEWEST_TO_JUDGE = 5
 

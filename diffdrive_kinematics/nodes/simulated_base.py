@@ -26,12 +26,13 @@ from diffdrive_kinematics.core.distributions import sample_heading
 from diffdrive_kinematics.core.encoders import Encoder
 from diffdrive_kinematics.core.frames import composed, inverted, OdometryHistory
 from diffdrive_kinematics.core.geometry import WheelGeometry
-from diffdrive_kinematics.core.wheel_motion import Pair, timeout_from_seconds
+from diffdrive_kinematics.core.wheel_motion import Pair, timeout_from_seconds, Verdict
 from diffdrive_kinematics.nodes.diagnostics import (
     Diagnosis, heard_values, Look, silence, slowness, stamp_values)
 from diffdrive_kinematics.nodes.from_values import check_sides, check_wiring, wheel_geometry
 from diffdrive_kinematics.nodes.messages import (
-    check_stamp, given_pose, nanoseconds, OdometryMessage, pose_in_plane, WheelMessage, WheelReader)
+    check_stamp, given_pose, nanoseconds, OdometryMessage, pose_in_plane, WheelMessage,
+    WheelReader)
 from diffdrive_kinematics.nodes.node import DiffDriveNode
 from diffdrive_kinematics.nodes.path import PathPublisher
 from diffdrive_kinematics.nodes.running import main_of
@@ -66,6 +67,10 @@ def build(values: Mapping[str, Any]) -> Config:
             'enable_odom_tf and publish_map_odom_tf are both true, expected enable_odom_tf to be '
             'false: a frame has one parent, and that of base_frame_id is the frame of '
             "belief_topic's odometry")
+    if values['odom_frame_id'] == values['base_frame_id']:
+        raise ValueError(
+            f"odom_frame_id and base_frame_id are both {values['odom_frame_id']!r}, expected "
+            'different frames')
     slips = values['left_slip_variance'], values['right_slip_variance']
     return Config(
         wheel_geometry(values), timeout_from_seconds(values['command_timeout']),
@@ -225,6 +230,7 @@ class SimulatedBase(DiffDriveNode[Config]):
         return Diagnosis({
             **heard_values(self.heard, look.now_ns, 'wheel motion'),
             'achieved odometry rate [Hz]': look.rate, **stamp_values(self.counts),
+            'position jumps': self.counts[Verdict.JUMPED.value],
             'last now - stamp [s]': self.heard.skew_ns / 1e9,
             'largest now - stamp [s]': self.heard.largest_skew_ns / 1e9}, [
                 *silence(self.heard, look.now_ns, values['command_timeout'],

@@ -83,7 +83,8 @@ def urdf_of(
             (geometry.left_radius, geometry.right_radius)):
         for joint, x in zip(names, _spread(len(names), shape.wheel_base)):
             link = f"{prefix}{joint.rpartition('/')[2]}_link"
-            _add_wheel(robot, base, Wheel(joint, inverted, link, (x, y, radius), radius), shape.wheel_width)
+            wheel = Wheel(joint, inverted, link, (x, y, radius), radius)
+            _add_wheel(robot, base, wheel, shape.wheel_width)
     ElementTree.indent(robot)
     return ElementTree.tostring(robot, encoding='unicode', xml_declaration=False) + '\n'
 

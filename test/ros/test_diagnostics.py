@@ -139,6 +139,20 @@ def test_the_base_tells_of_wheel_motion_its_stamps_and_its_rate(graph):
     assert odometry
 
 
+def test_the_base_tells_of_encoders_that_began_again_elsewhere(graph):
+    graph.start('simulated_base', {
+        **KHEPERA, 'enable_odom_tf': False, 'max_encoder_rate': 50.0, **FAST})
+    statuses = collect(graph, '/simulated_base')
+    wheels = graph.publisher(JointState, 'wheel_rates')
+    wait_for_level(graph, statuses, STALE, 'nothing heard')
+    for number, angle in enumerate((0.0, 700.0)):
+        message = JointState(name=JOINTS, position=[angle, angle])
+        set_stamp(message, graph.now_ns() + number)
+        wheels.publish(message)
+    values = wait_for_level(graph, statuses, WARN, 'position jumps: 1 more, 1 in all')[2]
+    assert values['position jumps'] == '1'
+
+
 def test_in_fast_mode_diagnostics_follow_the_stepped_clock_and_show_progress(graph):
     arrays = graph.collect(DiagnosticArray, '/diagnostics')
     # Not as fast as it can, or it may have ended when it is discovered.

@@ -94,7 +94,8 @@ def test_several_wheels_of_a_side_are_spread_from_front_to_rear():
 
 def test_links_are_prefixed_as_the_base_frame_is_and_names_are_escaped():
     root, links, joints = parsed(urdf_of(
-        GEOMETRY, WheelJoints((('a<b',), ('r&d',))), name='x"y', base='robot1/base_link', shape=Shape(0.0, 0.05)))
+        GEOMETRY, WheelJoints((('a<b',), ('r&d',))), name='x"y', base='robot1/base_link',
+        shape=Shape(0.0, 0.05)))
     assert root == 'robot1/base_link' and set(joints) == {'a<b', 'r&d'}
     assert all(name.startswith('robot1/') for name in links)
 
