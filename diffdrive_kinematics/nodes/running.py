@@ -26,6 +26,7 @@ from typing import Callable, Iterable, List, Optional
 
 from diffdrive_kinematics.nodes.node import DiffDriveNode
 from diffdrive_kinematics.nodes.parameters import ConfigurationError
+from diffdrive_kinematics.nodes.waking import Awake
 import rclpy
 from rclpy.exceptions import NameValidationException
 from rclpy.executors import Executor, ExternalShutdownException, SingleThreadedExecutor
@@ -69,8 +70,9 @@ def make_executor(nodes: Iterable[DiffDriveNode]) -> Executor:
 
 def spin(executor: Executor, finished: Callable[[], bool], stop: Stop) -> None:
     """Spin until finished or asked to stop."""
-    while not stop and not finished():
-        executor.spin_once(timeout_sec=SPIN_TIMEOUT_S)
+    with Awake(executor):
+        while not stop and not finished():
+            executor.spin_once(timeout_sec=SPIN_TIMEOUT_S)
 
 
 def run(work: Callable[[Stop], int], args: Optional[List[str]] = None) -> int:
