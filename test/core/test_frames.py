@@ -42,6 +42,8 @@ def test_chains_of_poses_are_a_group(a, b, c):
     assert_same_pose(composed(composed(a, b), c), composed(a, composed(b, c)))
     assert_same_pose(composed(a, inverted(a)), Pose(0.0, 0.0, 0.0))
     assert_same_pose(composed(inverted(a), a), Pose(0.0, 0.0, 0.0))
+    assert -math.pi < composed(a, b).theta <= math.pi
+    assert -math.pi < inverted(a).theta <= math.pi
 
 
 def test_what_is_ahead_of_a_robot_that_faces_left_is_to_the_left():

@@ -432,6 +432,15 @@ def test_a_message_that_was_on_its_way_while_the_base_was_put_elsewhere_is_no_ju
         expected / GEOMETRY.separation, abs=1e-12)
 
 
+def test_a_base_that_is_put_elsewhere_by_a_clock_a_little_behind_forgets_no_stamp():
+    """Guard an old message, heard a second time, that was taken for motion backward."""
+    samples = with_positions([WheelSample(number * 100 * MS, (number, number)) for number in (
+        1, 2, 3)])
+    odometry = fed(START, samples).placed_at(Pose(0.0, 0.0, 0.0), NO_COVARIANCE, 150 * MS)
+    again, verdict = odometry.received(samples[1], 160 * MS)
+    assert verdict is Verdict.OUT_OF_ORDER and again.at(S).pose == Pose(0.0, 0.0, 0.0)
+
+
 @pytest.mark.parametrize('pose', [
     Pose(math.nan, 0.0, 0.0), Pose(0.0, math.inf, 0.0), Pose(0.0, 0.0, -math.inf)])
 def test_a_base_is_put_nowhere_that_is_not_finite(pose):

@@ -94,7 +94,8 @@ def test_the_order_of_the_joints_in_a_message_does_not_matter(graph):
 
 
 def test_a_message_with_only_some_of_our_joints_is_reported_once_a_second_at_most(graph):
-    base = graph.start('simulated_base', BASE)
+    base = graph.start('simulated_base', {
+        **BASE, 'qos_overrides./wheel_rates.subscription.depth': 1000})  # it hears all of them
     joints = graph.collect(JointState, 'joint_states')
     wheels = graph.publisher(JointState, 'wheel_rates')
     for _ in range(200):
