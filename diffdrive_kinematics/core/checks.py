@@ -31,7 +31,10 @@ LARGEST = 1e12
 
 def is_sane(*values: float) -> bool:
     """Return whether all values are finite and within +-``LARGEST``."""
-    return all(-LARGEST <= value <= LARGEST for value in values)
+    for value in values:
+        if not -LARGEST <= value <= LARGEST:
+            return False
+    return True
 
 
 def check_finite(name: str, value: float) -> float:

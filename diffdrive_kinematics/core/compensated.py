@@ -38,6 +38,12 @@ class RunningSum(NamedTuple):
         high = total + low
         return RunningSum(high, low - (high - total))
 
+    def value_with(self, term: float) -> float:
+        """Return ``self.plus(term).value``, without making the sum."""
+        total = self.high + term
+        rest = total - self.high
+        return total + ((self.high - (total - rest)) + (term - rest) + self.low)
+
     @property
     def value(self) -> float:
         """Return the sum as one float: ``high`` already is the rounded sum."""

@@ -27,6 +27,8 @@ name                  density of the unit draw                      bound of the
 Every draw has mean 0 and variance 1, so a law of variance keeps its meaning whatever the
 distribution; the bound is what a nondeterministic disturbance set W(u) (2.34) is made of.  Sums
 of independent draws tend to a Gaussian: a path of many steps shows the variance, not the shape.
+
+numpy.random is named in quotes, since numpy imports it where it is first used.
 """
 
 import math
@@ -81,7 +83,7 @@ def unit_bound(distribution: str) -> float:
 
 
 def draw_unit(
-        distribution: str, generator: np.random.Generator,
+        distribution: str, generator: 'np.random.Generator',
         shape: Optional[Shape] = None) -> Draw:
     """
     Return independent draws of mean 0 and variance 1.
@@ -111,7 +113,7 @@ def draw_unit(
     return generator.uniform(-bound, bound, shape)
 
 
-def _draw_truncated(generator: np.random.Generator, shape: Optional[Shape]) -> Draw:
+def _draw_truncated(generator: 'np.random.Generator', shape: Optional[Shape]) -> Draw:
     """Return normals by rejection of those beyond +-CUT, in the order of the stream."""
     if shape is None:
         return float(_draw_truncated(generator, 1)[0])  # type: ignore[index]
@@ -125,7 +127,7 @@ def _draw_truncated(generator: np.random.Generator, shape: Optional[Shape]) -> D
 
 
 def sample_heading(
-        mean: float, concentration: float, generator: np.random.Generator,
+        mean: float, concentration: float, generator: 'np.random.Generator',
         shape: Optional[Shape] = None) -> Draw:
     """
     Return headings [rad] in (-pi, pi] with the von Mises density (LaValle 2.38).

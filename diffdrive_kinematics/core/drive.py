@@ -21,7 +21,8 @@ change is stamped with the time from which it holds, computed from the stamps of
 never from the moment at which somebody asked, so timers only decide when a change is told.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from functools import cached_property
 import math
 from typing import List, NamedTuple, Optional, Tuple
 
@@ -86,12 +87,12 @@ class DriveSettings:
             raise ValueError(
                 f'max_wheel_rate is {self.max_wheel_rate!r}, expected above 0, or NaN')
 
-    @property
+    @cached_property
     def ramps(self) -> bool:
         """Whether a change of the twist takes more than one step."""
         return self.linear.ramps or self.angular.ramps
 
-    @property
+    @cached_property
     def period_ns(self) -> int:
         """Length of a step of the ramp [ns]."""
         return max(1, round(NANOSECONDS / self.publish_rate))
@@ -106,8 +107,7 @@ class DriveTelling(NamedTuple):
     twist: Twist
 
 
-@dataclass(frozen=True)
-class Drive:
+class Drive(NamedTuple):
     """
     The commanded motion, from ``since_ns`` on.
 
@@ -171,7 +171,7 @@ class Drive:
         drive, changes = self.advanced(stamp_ns)
         timeout = drive.settings.cmd_vel_timeout
         deadline = stamp_ns + round(timeout * NANOSECONDS) if timeout else None
-        drive = replace(drive, target=target, deadline_ns=deadline)
+        drive = drive._replace(target=target, deadline_ns=deadline)
         if drive.step_ns is None:
             drive, change = drive._stepped(max(stamp_ns, drive.since_ns + 1))
             changes += change
@@ -182,14 +182,13 @@ class Drive:
         drive: Drive = self
         changes: List[DriveTelling] = []
         while True:
-            event = min(
-                (time for time in (drive.deadline_ns, drive.step_ns) if time is not None),
-                default=None)
+            event = _earlier(drive.deadline_ns, drive.step_ns)
             if event is None or event > now_ns:
                 return drive, changes
             if event == drive.deadline_ns:
-                drive = replace(drive, target=STILL, deadline_ns=None,
-                                timeouts=drive.timeouts + (drive.target != STILL))
+                drive = drive._replace(
+                    target=STILL, deadline_ns=None,
+                    timeouts=drive.timeouts + (drive.target != STILL))
                 if drive.step_ns is not None:
                     continue
             drive, change = drive._stepped(max(event, drive.since_ns + 1))
@@ -205,7 +204,7 @@ class Drive:
             self, settings: DriveSettings, now_ns: int) -> Tuple['Drive', List[DriveTelling]]:
         """Return the drive under new settings from ``now_ns`` on: the same target anew."""
         drive, changes = self.advanced(now_ns)
-        drive = replace(drive, settings=settings)
+        drive = drive._replace(settings=settings)
         if drive.step_ns is not None and settings.period_ns != self.settings.period_ns:
             drive = drive._on_grid_from(now_ns, settings.period_ns / self.settings.period_ns)
         if drive.step_ns is None or not settings.ramps:
@@ -215,8 +214,8 @@ class Drive:
 
     def clock_stepped(self, step_ns: int) -> 'Drive':
         """Return the drive as it reads after the clock itself was stepped."""
-        return replace(
-            self, since_ns=self.since_ns + step_ns,
+        return self._replace(
+            since_ns=self.since_ns + step_ns,
             deadline_ns=None if self.deadline_ns is None else self.deadline_ns + step_ns,
             step_ns=None if self.step_ns is None else self.step_ns + step_ns)
 
@@ -226,25 +225,28 @@ class Drive:
                         self.settings.angular.limit_velocity(self.target.w))
         goal, cut = self._saturated(allowed)
         within_reach = self._towards(goal)
-        twist, (left, right, factor) = self._saturated(within_reach)
+        if within_reach is goal and cut.factor == 1.0:
+            twist, (left, right, factor) = goal, cut
+        else:
+            twist, (left, right, factor) = self._saturated(within_reach)
         settled = not self.settings.ramps or twist == self.twist == self.before
-        drive = replace(
-            self, twist=twist, before=self.twist,
+        drive = self._replace(
+            twist=twist, before=self.twist,
             step_ns=None if settled else time_ns + self.settings.period_ns,
             saturated=self.saturated + (min(cut.factor, factor) < 1.0),
             limited=self.limited + (allowed != self.target or within_reach != goal))
         if (left, right) == self.rates and twist == self.twist:
             return drive, []
         angle_left, angle_right = self._angles(time_ns)
-        drive = replace(
-            drive, since_ns=time_ns, rates=(left, right), left=angle_left, right=angle_right)
+        drive = drive._replace(
+            since_ns=time_ns, rates=(left, right), left=angle_left, right=angle_right)
         return drive, [drive.told(time_ns)]
 
     def _on_grid_from(self, now_ns: int, ratio: float) -> 'Drive':
         """Go on ramping with steps of another length, at the acceleration reached."""
         before = Twist(self.twist.v - ratio * (self.twist.v - self.before.v),
                        self.twist.w - ratio * (self.twist.w - self.before.w))
-        return replace(self, before=before, step_ns=now_ns + self.settings.period_ns)
+        return self._replace(before=before, step_ns=now_ns + self.settings.period_ns)
 
     def _saturated(self, twist: Twist) -> Tuple[Twist, SaturatedRates]:
         rates = saturate(*wheel_rates_from_twist(self.settings.geometry, *twist),
@@ -266,3 +268,10 @@ class Drive:
         seconds = (time_ns - self.since_ns) / NANOSECONDS
         return (self.left.plus(self.rates[0] * seconds),
                 self.right.plus(self.rates[1] * seconds))
+
+
+def _earlier(one: Optional[int], other: Optional[int]) -> Optional[int]:
+    """Return the earlier of two times [ns]; None never comes."""
+    if one is None or other is None:
+        return other if one is None else one
+    return one if one < other else other

@@ -90,7 +90,7 @@ def travel_variance(slip: WheelSlip, travel: Travel) -> Travel:
     return slip.variance * distance * (1.0 if slip.model == 'travel' else distance)
 
 
-def sample_travel(slip: WheelSlip, travel: Travel, generator: np.random.Generator) -> Travel:
+def sample_travel(slip: WheelSlip, travel: Travel, generator: 'np.random.Generator') -> Travel:
     """
     Return a sample of the effective travel [m], ``(1 + b) d + e``.
 

@@ -20,19 +20,18 @@ there, so publishing neither accumulates nor changes anything.  The covariance o
 at the anchor too.
 """
 
-from dataclasses import dataclass, replace
 import math
 from typing import NamedTuple, Optional, Tuple
 
 from diffdrive_kinematics.core.angles import wrap_angle
-from diffdrive_kinematics.core.arc import advance, Pose
+from diffdrive_kinematics.core.arc import Pose
 from diffdrive_kinematics.core.checks import (
     check_finite, check_non_negative, is_sane, LARGEST)
 from diffdrive_kinematics.core.compensated import RunningSum
 from diffdrive_kinematics.core.covariance import (
     moved_covariance, NO_COVARIANCE, PoseCovariance, slip_covariance)
 from diffdrive_kinematics.core.geometry import (
-    pose_change_from_travel, travel_from_angles, twist_from_wheel_rates, WheelGeometry)
+    travel_from_angles, twist_from_wheel_rates, WheelGeometry)
 from diffdrive_kinematics.core.wheel_motion import (
     first_motion, Pair, rates_at, reached, receive, rolled, shifted, Verdict, WheelMotion,
     WheelSample)
@@ -40,6 +39,7 @@ from diffdrive_kinematics.core.wheel_motion import (
 __all__ = ['BaseReading', 'Odometry']
 
 NO_SLIP: Pair = (0.0, 0.0)
+NOTHING: Pair = (0.0, 0.0)
 
 
 class BaseReading(NamedTuple):
@@ -56,8 +56,7 @@ class BaseReading(NamedTuple):
     rates: Pair
 
 
-@dataclass(frozen=True)
-class Odometry:
+class Odometry(NamedTuple):
     """
     Odometry of a base with wheel geometry; a value: every method returns a new one.
 
@@ -128,18 +127,18 @@ class Odometry:
         """
         self._check_sane(sample.rates or (0.0, 0.0), 'velocity')
         if self.motion is None:
-            return replace(self, motion=first_motion(sample)), Verdict.FIRST
+            return self._replace(motion=first_motion(sample)), Verdict.FIRST
         result = receive(
             self.motion, sample, now_ns=now_ns, timeout_ns=self.timeout_ns,
             max_rate=self.max_rate)
         if result.verdict in (Verdict.REPEATED, Verdict.OUT_OF_ORDER):
-            return replace(self, motion=result.motion), result.verdict
+            return self._replace(motion=result.motion), result.verdict
         self._check_sane(result.rolled, 'position')
         odometry, rest = self, result.rolled
-        if any(result.known):
-            odometry = self._rolled(result.known)
+        if result.known != NOTHING:
+            odometry = self._rolled(result.known, self.motion)
             rest = rest[0] - result.known[0], rest[1] - result.known[1]
-        return replace(odometry._rolled(rest), motion=result.motion), result.verdict
+        return odometry._rolled(rest, result.motion), result.verdict
 
     def configured(
             self, geometry: WheelGeometry, timeout_ns: Optional[int], now_ns: int,
@@ -159,16 +158,15 @@ class Odometry:
         if self.motion is not None:
             now_ns = reached(self.motion, now_ns, self.timeout_ns)
         if self.motion is None or not self.motion.holds or now_ns <= self.motion.anchor_ns:
-            return replace(
-                self, geometry=geometry, timeout_ns=timeout_ns, slip_variances=slip)
+            return self._replace(
+                geometry=geometry, timeout_ns=timeout_ns, slip_variances=slip)
         angle = rolled(self.motion, now_ns, self.timeout_ns)
         reference = (self.motion.reference[0] + angle[0], self.motion.reference[1] + angle[1])
-        motion = replace(
-            self.motion, anchor_ns=now_ns, reference=reference,
+        motion = self.motion._replace(
+            anchor_ns=now_ns, reference=reference,
             rates=rates_at(self.motion, now_ns, self.timeout_ns))
-        return replace(
-            self._rolled(angle), geometry=geometry, timeout_ns=timeout_ns, motion=motion,
-            slip_variances=slip)
+        return self._rolled(angle, motion)._replace(
+            geometry=geometry, timeout_ns=timeout_ns, slip_variances=slip)
 
     def placed_at(
             self, pose: Pose, covariance: PoseCovariance, now_ns: int, *,
@@ -192,18 +190,18 @@ class Odometry:
             time_ns = max(reached(motion, now_ns, self.timeout_ns), motion.anchor_ns) \
                 if motion.holds else motion.anchor_ns
             angle = rolled(motion, time_ns, self.timeout_ns)
-            motion = replace(motion, anchor_ns=time_ns, rates=(0.0, 0.0), reference=(
+            motion = motion._replace(anchor_ns=time_ns, rates=(0.0, 0.0), reference=(
                 motion.reference[0] + angle[0], motion.reference[1] + angle[1]))
         none = RunningSum(0.0)
-        return replace(
-            self, x=RunningSum(float(pose.x)), y=RunningSum(float(pose.y)),
+        return self._replace(
+            x=RunningSum(float(pose.x)), y=RunningSum(float(pose.y)),
             theta=RunningSum(float(pose.theta)), motion=motion, covariance=covariance,
             left=self.left.plus(angle[0]) if keep_angles else none,
             right=self.right.plus(angle[1]) if keep_angles else none)
 
     def clock_stepped(self, step_ns: int) -> 'Odometry':
         """Return the odometry as it reads after the clock itself was stepped."""
-        return replace(self, motion=self.motion and shifted(self.motion, step_ns))
+        return self._replace(motion=self.motion and shifted(self.motion, step_ns))
 
     def at(self, time_ns: int, now_ns: Optional[int] = None) -> BaseReading:
         """
@@ -216,11 +214,11 @@ class Odometry:
                                (self.left.value, self.right.value), (0.0, 0.0))
         if now_ns is None or self.is_ahead(now_ns):
             time_ns = reached(self.motion, time_ns, self.timeout_ns)
-        angle = rolled(self.motion, time_ns, self.timeout_ns)
+        left, right = rolled(self.motion, time_ns, self.timeout_ns)
         rates = rates_at(self.motion, time_ns, self.timeout_ns)
         return BaseReading(
-            self._pose(*angle), twist_from_wheel_rates(self.geometry, *rates),
-            (self.left.plus(angle[0]).value, self.right.plus(angle[1]).value), rates)
+            self._pose(left, right), twist_from_wheel_rates(self.geometry, *rates),
+            (self.left.value_with(left), self.right.value_with(right)), rates)
 
     def is_ahead(self, now_ns: int) -> bool:
         """Return whether the clock of the wheels' publisher is ahead, and must be another one."""
@@ -251,7 +249,7 @@ class Odometry:
         added = slip_covariance(
             self.geometry, heading, float(d_left), float(d_right), *self.slip_variances)
         return moved_covariance(
-            self.covariance, Pose(0.0, 0.0, heading), self._change(*angle), added)
+            self.covariance, Pose(0.0, 0.0, heading), Pose(*self._change(*angle)), added)
 
     def _check_sane(self, wheels: Pair, name: str) -> None:
         if not is_sane(*twist_from_wheel_rates(self.geometry, *wheels)):
@@ -260,25 +258,33 @@ class Odometry:
                 f'motion that moves the robot by less than {LARGEST:g} m and rad')
 
     def _pose(self, left: float, right: float) -> Pose:
-        change = self._change(left, right)
-        theta = self.theta.plus(float(change.theta)).value
-        return Pose(self.x.plus(float(change.x)).value, self.y.plus(float(change.y)).value,
-                    wrap_angle(theta))
+        dx, dy, turn = self._change(left, right)
+        return Pose(self.x.value_with(dx), self.y.value_with(dy),
+                    wrap_angle(self.theta.value_with(turn)))
 
-    def _rolled(self, angle: Pair) -> 'Odometry':
-        """Return the odometry with the anchor moved by an angle of the wheels [rad]."""
-        change = self._change(*angle)
-        return replace(
-            self, x=self.x.plus(float(change.x)), y=self.y.plus(float(change.y)),
-            theta=self.theta.plus(float(change.theta)), left=self.left.plus(angle[0]),
-            right=self.right.plus(angle[1]), covariance=self._covariance_after(angle))
+    def _rolled(self, angle: Pair, motion: Optional[WheelMotion]) -> 'Odometry':
+        """Return the odometry with the anchor moved by an angle [rad], and what follows it."""
+        left, right = angle
+        dx, dy, turn = self._change(left, right)
+        return Odometry(
+            self.geometry, self.timeout_ns, self.x.plus(dx), self.y.plus(dy),
+            self.theta.plus(turn), self.left.plus(left), self.right.plus(right), motion,
+            self.slip_variances, self._covariance_after(angle), self.max_rate)
 
-    def _change(self, left: float, right: float) -> Pose:
-        """Return the change of the pose [m, m, rad] in the fixed frame for wheel angles [rad]."""
-        travel = travel_from_angles(self.geometry, left, right)
-        distance, turn = pose_change_from_travel(self.geometry, *travel)
-        change = advance(Pose(0.0, 0.0, self._heading()), distance, turn)
-        return Pose(change.x, change.y, turn)
+    def _change(self, left: float, right: float) -> Tuple[float, float, float]:
+        """
+        Return the change of the pose [m, m, rad] in the fixed frame for wheel angles [rad].
+
+        It is ``arc.advance`` from the origin, written out for floats: every odometry that is
+        published comes through here.
+        """
+        geometry = self.geometry
+        d_left, d_right = geometry.left_radius * left, geometry.right_radius * right
+        turn = (d_right - d_left) / geometry.separation
+        half = 0.5 * turn
+        chord = 0.5 * (d_left + d_right) * (math.sin(half) / half if half else 1.0)
+        direction = self._heading() + half
+        return chord * math.cos(direction), chord * math.sin(direction), turn
 
     def _heading(self) -> float:
         """Return the heading [rad] at the anchor, within a turn."""

@@ -38,7 +38,7 @@ never on when a sample happened to arrive or how often somebody looked.
 from dataclasses import dataclass, replace
 import enum
 import math
-from typing import Optional, Tuple
+from typing import NamedTuple, Optional, Tuple
 
 from diffdrive_kinematics.core.checks import is_sane, LARGEST
 
@@ -72,17 +72,21 @@ class WheelSample:
     source: str = ''
 
     def __post_init__(self) -> None:
-        if self.rates is None and self.positions is None:
+        rates, positions = self.rates, self.positions
+        if rates is None and positions is None:
             raise ValueError('velocity and position are absent, expected at least one of them')
-        for name, pair in (('velocity', self.rates), ('position', self.positions)):
-            if pair is not None and not is_sane(*pair):
-                raise ValueError(
-                    f'{name} (left, right) is {pair!r}, expected finite numbers '
-                    f'within +-{LARGEST:g}')
+        if rates is not None and not is_sane(*rates):
+            raise _absurd('velocity', rates)
+        if positions is not None and not is_sane(*positions):
+            raise _absurd('position', positions)
 
 
-@dataclass(frozen=True)
-class WheelMotion:
+def _absurd(name: str, pair: Pair) -> ValueError:
+    return ValueError(
+        f'{name} (left, right) is {pair!r}, expected finite numbers within +-{LARGEST:g}')
+
+
+class WheelMotion(NamedTuple):
     """
     What is known about the wheels since the anchor.
 
@@ -112,8 +116,7 @@ class Verdict(enum.Enum):
     CLOCK_STEP = 'clock step'
 
 
-@dataclass(frozen=True)
-class Received:
+class Received(NamedTuple):
     """
     The motion after a sample, and the angle [rad] rolled between the two anchors.
 
@@ -146,8 +149,8 @@ def first_motion(sample: WheelSample) -> WheelMotion:
 
 def shifted(motion: WheelMotion, step_ns: int) -> WheelMotion:
     """Return the motion as it reads after the clock itself was stepped by ``step_ns``."""
-    return replace(
-        motion, anchor_ns=motion.anchor_ns + step_ns, last_ns=motion.last_ns + step_ns)
+    return motion._replace(
+        anchor_ns=motion.anchor_ns + step_ns, last_ns=motion.last_ns + step_ns)
 
 
 def rolled(motion: WheelMotion, time_ns: int, timeout_ns: Optional[int]) -> Pair:
@@ -156,8 +159,8 @@ def rolled(motion: WheelMotion, time_ns: int, timeout_ns: Optional[int]) -> Pair
 
     ``timeout_ns`` None means that the wheels never stop by themselves.
     """
-    if timeout_ns is not None:
-        time_ns = min(time_ns, motion.last_ns + timeout_ns)
+    if timeout_ns is not None and time_ns > motion.last_ns + timeout_ns:
+        time_ns = motion.last_ns + timeout_ns
     if not motion.holds or time_ns <= motion.anchor_ns:
         return ZERO
     seconds = (time_ns - motion.anchor_ns) / NANOSECONDS
@@ -171,8 +174,9 @@ def reached(motion: WheelMotion, time_ns: int, timeout_ns: Optional[int]) -> int
     Where the publisher's clock is so far ahead that it must be another one, that is its last
     stamp: its wheels would stand for as long as it is ahead.
     """
-    ahead = motion.last_ns > time_ns + step_tolerance(timeout_ns)
-    return motion.last_ns if ahead else time_ns
+    last_ns = motion.last_ns
+    ahead = last_ns > time_ns and last_ns > time_ns + step_tolerance(timeout_ns)
+    return last_ns if ahead else time_ns
 
 
 def rates_at(motion: WheelMotion, time_ns: int, timeout_ns: Optional[int]) -> Pair:
@@ -218,8 +222,8 @@ def receive(
     following = first_motion(sample)
     if sample.rates is None:
         seconds = (stamp - motion.anchor_ns) / NANOSECONDS
-        following = replace(
-            following, rates=(travelled[0] / seconds, travelled[1] / seconds))
+        following = following._replace(
+            rates=(travelled[0] / seconds, travelled[1] / seconds))
     known = ZERO if as_held or stamp <= motion.last_ns else rolled(
         motion, motion.last_ns, timeout_ns)
     return Received(following, travelled, Verdict.MOVED, known)
@@ -230,8 +234,8 @@ def _renewed(motion: WheelMotion, repeat: WheelSample, held: Pair) -> WheelMotio
     if repeat.stamp_ns < motion.last_ns:
         return motion
     reference = motion.reference if repeat.positions else (-held[0], -held[1])
-    return replace(motion, last_ns=repeat.stamp_ns, reference=reference,
-                   counted=bool(repeat.positions or repeat.source))
+    return motion._replace(last_ns=repeat.stamp_ns, reference=reference,
+                           counted=bool(repeat.positions or repeat.source))
 
 
 def _stepped(
@@ -258,7 +262,12 @@ def _jumps(motion: WheelMotion, travelled: Pair, stamp: int, max_rate: float) ->
 
 def _same(held: Pair, travelled: Pair, motion: WheelMotion, sample: WheelSample) -> bool:
     """Tell whether the positions, if any, say what the held rates say, to their last digits."""
-    return sample.positions is None or all(
-        abs(a - b) <= 4.0 * math.ulp(max(abs(position), abs(reference)))
-        for a, b, position, reference in zip(
-            held, travelled, sample.positions, motion.reference))
+    positions, reference = sample.positions, motion.reference
+    return positions is None or (
+        _close(held[0], travelled[0], positions[0], reference[0])
+        and _close(held[1], travelled[1], positions[1], reference[1]))
+
+
+def _close(held: float, travelled: float, position: float, reference: float) -> bool:
+    """Tell whether two angles differ by what rounding of the positions makes."""
+    return abs(held - travelled) <= 4.0 * math.ulp(max(abs(position), abs(reference)))

@@ -23,13 +23,14 @@ from diffdrive_kinematics.nodes.calibration import Calibration, of_segments, of_
 from diffdrive_kinematics.nodes.calibration_file import check_writable, params_text, write
 from diffdrive_kinematics.nodes.calibration_sources import (
     Collection, motion_of, read_segments, read_square_runs)
+from diffdrive_kinematics.nodes.clocks import SteadyTimers
 from diffdrive_kinematics.nodes.from_values import check_sides, wheel_geometry
-from diffdrive_kinematics.nodes.messages import WheelReader
 from diffdrive_kinematics.nodes.node import DiffDriveNode
 from diffdrive_kinematics.nodes.parameters import ConfigurationError
 from diffdrive_kinematics.nodes.running import run, spin_node, Stop
 from diffdrive_kinematics.nodes.tables import CALIBRATE
 from diffdrive_kinematics.nodes.wheel_joints import wheel_joints
+from diffdrive_kinematics.nodes.wheel_messages import WheelReader
 from geometry_msgs.msg import PoseStamped
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import JointState
@@ -81,7 +82,7 @@ class Calibrate(DiffDriveNode[Config]):
         self._reader = WheelReader(
             wheel_joints(values), positions=values['position_feedback'],
             encoder_range=values['encoder_range'])
-        self.subscribe(JointState, values['motion_topic'], self._on_wheels)
+        self.subscribe(JointState, values['motion_topic'], self._on_wheels, raw=True)
         odometry = values['reference_type'] == 'odometry'
         self.subscribe(
             Odometry if odometry else PoseStamped, values['reference_topic'],
@@ -92,7 +93,7 @@ class Calibrate(DiffDriveNode[Config]):
             f"collecting '{values['motion_topic']}' and '{values['reference_topic']}' until "
             f'{self.get_fully_qualified_name()}/finish is called')
 
-    def _on_wheels(self, message: JointState) -> None:
+    def _on_wheels(self, message: bytes) -> None:
         sample = self._reader.read(message, self.now_ns)
         if sample is not None:
             self.collection.add_wheels(sample)
@@ -166,21 +167,22 @@ def _picture(calibration: Calibration, name: str) -> bytes:
 
 def work(stop: Stop) -> int:
     """Calibrate; return the exit status."""
-    node = Calibrate()
+    timers = SteadyTimers()
+    node = Calibrate(timers=timers)
     try:
         if node.config.values['square_runs'] or node.config.values['recordings']:
             conclude(from_files(node.config), node.config.values)
             return 0
-        return _collect(node, stop)
+        return _collect(node, timers, stop)
     except ValueError as error:
         raise ConfigurationError(str(error)) from error
     finally:
         node.destroy_node()
 
 
-def _collect(node: Calibrate, stop: Stop) -> int:
+def _collect(node: Calibrate, timers: SteadyTimers, stop: Stop) -> int:
     node.listen()
-    spin_node(node, stop)
+    spin_node(node, timers, stop)
     if not node.done:
         print('not finished: nothing is written', flush=True)
     return 0

@@ -17,20 +17,23 @@ Time of a node: its clock, timers that a step of the wall clock cannot stall, an
 
 A :class:`SteppedClock` is shared by all nodes of a process: time moves when it is told to, and
 timers fire in the order in which they were made, so that a run gives the same numbers every time.
+:class:`SteadyTimers` are shared alike in real time.
 """
 
 import time
-from typing import Callable, List, Optional
+from typing import Callable, List, Optional, Tuple
 
 from rclpy.clock import Clock, ROSClock
 from rclpy.clock_type import ClockType
 from rclpy.time import Time
 from rclpy.time_source import TimeSource
 
-__all__ = ['NANOSECONDS', 'StepWatch', 'SteppedClock', 'period_ns']
+__all__ = [
+    'NANOSECONDS', 'SteadyTimers', 'StepWatch', 'SteppedClock', 'Timer', 'clock_ns', 'period_ns']
 
 NANOSECONDS = 1_000_000_000
 STEP_TOLERANCE_NS = NANOSECONDS
+NEVER_NS = 2**63 - 1
 
 
 def period_ns(rate: float) -> int:
@@ -38,33 +41,116 @@ def period_ns(rate: float) -> int:
     return max(1, round(NANOSECONDS / rate))
 
 
-class SteppedTimer:
-    """A timer of a stepped clock, with the part of rclpy's Timer that nodes use."""
+def clock_ns(clock: Clock) -> int:
+    """Return the time [ns] of a clock, without the objects that ``clock.now()`` makes of it."""
+    return clock.handle.get_now().nanoseconds
 
-    def __init__(self, clock: 'SteppedClock', period_ns: int, callback: Callable[[], None]):
-        self._clock = clock
+
+class Timer:
+    """A timer of the package's own, with the part of rclpy's Timer that nodes use."""
+
+    def __init__(self, timers: 'Timers', period_ns: int, callback: Callable[[], None]) -> None:
+        self._timers = timers
         self.callback = callback
         self.timer_period_ns = period_ns
-        self.next_ns = clock.now_ns() + period_ns
+        self.next_ns = timers.now_ns() + period_ns
 
     def reset(self) -> None:
         """Start the period anew from now."""
-        self.next_ns = self._clock.now_ns() + self.timer_period_ns
+        self.next_ns = self._timers.now_ns() + self.timer_period_ns
+        self._timers.expect(self.next_ns)
 
     def cancel(self) -> None:
         """Never fire again."""
-        self._clock.timers.remove(self)
+        self._timers.timers.remove(self)
+        self.next_ns = NEVER_NS
 
 
-class SteppedClock:
+class Timers:
+    """Timers that fire in the order in which they were made."""
+
+    def __init__(self) -> None:
+        self.timers: List[Timer] = []
+
+    def now_ns(self) -> int:
+        """Return the time [ns]."""
+        raise NotImplementedError
+
+    def create_timer(self, period: int, callback: Callable[[], None]) -> Timer:
+        """Return a new timer with a period [ns]."""
+        timer = Timer(self, period, callback)
+        self.timers.append(timer)
+        self.expect(timer.next_ns)
+        return timer
+
+    def expect(self, time_ns: int) -> None:
+        """Note that a timer is due at a time."""
+
+    def due(self) -> List[Timer]:
+        """Return the timers that are due now, in the order in which they were made."""
+        now_ns = self.now_ns()
+        return [timer for timer in self.timers if timer.next_ns <= now_ns]
+
+    def fire(self, timer: Timer) -> None:
+        """Call a timer back; periods that were missed are skipped, as rcl does."""
+        missed = (self.now_ns() - timer.next_ns) // timer.timer_period_ns
+        timer.next_ns += (missed + 1) * timer.timer_period_ns
+        timer.callback()
+
+
+class SteadyTimers(Timers):
+    """
+    Timers of a process on the steady clock, fired by the loop that spins its executor.
+
+    A timer of rclpy has a thread that wakes, and that wakes the executor's; these cost nothing
+    but the wake-up in which they fire, and timers of one rate fire in the same one.
+    """
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._next_ns = 0
+
+    def now_ns(self) -> int:
+        """Return the time [ns]."""
+        return time.monotonic_ns()
+
+    def create_timer(self, period: int, callback: Callable[[], None]) -> Timer:
+        """Return a new timer with a period [ns], in step with the others of that period."""
+        timer = super().create_timer(period, callback)
+        timer.next_ns -= timer.next_ns % period
+        self.expect(timer.next_ns)
+        return timer
+
+    def expect(self, time_ns: int) -> None:
+        """Note that a timer is due at a time."""
+        if time_ns < self._next_ns:
+            self._next_ns = time_ns
+
+    def seconds_left(self, most: float) -> float:
+        """Return the time [s] until the next timer is due, or ``most``."""
+        return max(0.0, min(most, (self._next_ns - time.monotonic_ns()) / NANOSECONDS))
+
+    def fire_due(self) -> None:
+        """Fire what is due."""
+        now_ns = time.monotonic_ns()
+        if now_ns < self._next_ns:
+            return
+        self._next_ns = NEVER_NS
+        for timer in tuple(self.timers):
+            if timer.next_ns <= now_ns:
+                self.fire(timer)
+            self.expect(timer.next_ns)
+
+
+class SteppedClock(Timers):
     """A ROS clock whose time is set step by step, and the timers that run on it."""
 
     def __init__(self) -> None:
+        super().__init__()
         self.ros_clock = ROSClock()
         source = TimeSource()  # without a node: it listens to nobody
         source.attach_clock(self.ros_clock)
         source.ros_time_is_active = True
-        self.timers: List[SteppedTimer] = []
         self._now_ns = 0
 
     def now_ns(self) -> int:
@@ -77,44 +163,31 @@ class SteppedClock:
         self.ros_clock.set_ros_time_override(
             Time(nanoseconds=time_ns, clock_type=ClockType.ROS_TIME))
 
-    def due(self) -> List[SteppedTimer]:
-        """Return the timers that are due now, in the order in which they were made."""
-        return [timer for timer in self.timers if timer.next_ns <= self._now_ns]
-
-    def fire(self, timer: SteppedTimer) -> None:
-        """Call a timer back; periods that were missed are skipped, as rcl does."""
-        missed = (self._now_ns - timer.next_ns) // timer.timer_period_ns
-        timer.next_ns += (missed + 1) * timer.timer_period_ns
-        timer.callback()
-
-    def create_timer(self, period: int, callback: Callable[[], None]) -> SteppedTimer:
-        """Return a new timer with a period [ns]."""
-        timer = SteppedTimer(self, period, callback)
-        self.timers.append(timer)
-        return timer
-
 
 class StepWatch:
-    """Notices that a clock was stepped, by comparing it with the steady clock."""
+    """A look at a clock, which notices that it was stepped by comparing it with the steady one."""
 
     def __init__(self, clock: Clock) -> None:
-        self._clock = clock
+        self._handle = clock.handle
         self._steady_ns: Optional[int] = None
         self._last_ns = 0
 
-    def step_since_last(self, now_ns: int) -> int:
+    def now_and_step(self) -> Tuple[int, int]:
         """
-        Return by how much [ns] the clock was stepped since the last call, 0 where it was not.
+        Return the time [ns], and by how much the clock was stepped since the last call.
 
         Simulated time has a pace of its own: there only a jump back counts.
         """
-        if self._clock.ros_time_is_active:
+        if self._handle.get_ros_time_override_is_enabled():
+            now_ns = self._handle.get_now().nanoseconds
             step, self._steady_ns = min(0, now_ns - self._last_ns), None
         else:
-            steady = time.monotonic_ns()
-            known = self._steady_ns is not None
-            step = now_ns - self._last_ns - (steady - self._steady_ns) if known else 0
-            step = step if abs(step) > STEP_TOLERANCE_NS else 0
-            self._steady_ns = steady
+            now_ns, steady_ns = time.time_ns(), time.monotonic_ns()
+            step = 0
+            if self._steady_ns is not None:
+                step = now_ns - self._last_ns - (steady_ns - self._steady_ns)
+                if -STEP_TOLERANCE_NS <= step <= STEP_TOLERANCE_NS:
+                    step = 0
+            self._steady_ns = steady_ns
         self._last_ns = now_ns
-        return step
+        return now_ns, step

@@ -89,11 +89,11 @@ class CommandSequence(DiffDriveNode[Config]):
         self._repeat_ns = period_ns(values['publish_rate'])
         self._start_ns = -1
         self._next = 0
-        self._message = TwistMessage(values['base_frame_id'])
-        self._stamped = values['enable_stamped_cmd_vel']
+        stamped = values['enable_stamped_cmd_vel']
+        self._message = TwistMessage(values['base_frame_id'] if stamped else None)
         self._loop = values['loop']
         self._publisher = self.publisher(
-            TwistStamped if self._stamped else Twist, values['cmd_vel_topic'])
+            TwistStamped if stamped else Twist, values['cmd_vel_topic'])
         self._unanswered: Set[str] = {
             self.resolve_topic_name(topic) for topic in values['wait_for_topics']}
         self._answers: Dict[str, Subscription] = {}
@@ -207,8 +207,7 @@ class CommandSequence(DiffDriveNode[Config]):
 
     def _send(self, stamp_ns: int, v: float, w: float) -> None:
         self.sent += 1
-        message = self._message.filled(stamp_ns, v, w)
-        self._publisher.publish(message if self._stamped else message.twist)
+        self._publisher.publish(self._message.filled(stamp_ns, v, w))
 
     def last_word(self) -> Sequence[Publisher]:
         """Leave the robot with the command to stand still."""

@@ -21,12 +21,12 @@ from diffdrive_kinematics.core.drive import Drive, DriveSettings, DriveTelling, 
 from diffdrive_kinematics.nodes.diagnostics import Diagnosis, heard_values, Look, silence, slowness
 from diffdrive_kinematics.nodes.from_values import (
     axis_limits, check_sides, check_wiring, wheel_geometry)
-from diffdrive_kinematics.nodes.messages import (
-    nanoseconds, TwistMessage, WheelCommandMessage, WheelMessage)
+from diffdrive_kinematics.nodes.messages import command_in, TwistMessage
 from diffdrive_kinematics.nodes.node import DiffDriveNode
 from diffdrive_kinematics.nodes.running import main_of
 from diffdrive_kinematics.nodes.tables import DIFF_DRIVE_CONTROLLER
 from diffdrive_kinematics.nodes.wheel_joints import wheel_joints
+from diffdrive_kinematics.nodes.wheel_messages import WheelCommandMessage, WheelMessage
 from geometry_msgs.msg import Twist as TwistMsg, TwistStamped
 from rclpy.publisher import Publisher
 from sensor_msgs.msg import JointState
@@ -86,7 +86,7 @@ class DiffDriveController(DiffDriveNode[Config]):
         self._stamped = values['enable_stamped_cmd_vel']
         self.subscribe(
             TwistStamped if self._stamped else TwistMsg, values['cmd_vel_topic'],
-            self._on_command)
+            self._on_command, raw=True)
         self._timer = self.every(values['publish_rate'], self._tick)
         self._watchdog: Any = None
         self._set_watchdog(self.config.drive.cmd_vel_timeout)
@@ -100,21 +100,18 @@ class DiffDriveController(DiffDriveNode[Config]):
         """Return the resolved name of the topic that the controller listens to."""
         return self.resolve_topic_name(self.config.values['cmd_vel_topic'])
 
-    def _on_command(self, message: Any) -> None:
+    def _on_command(self, message: bytes) -> None:
         now_ns = self._synchronised_now()
         self._heard_command = True
         if self._watchdog:
             self._watchdog.reset()
-        stamp_ns, twist = now_ns, message
-        own_ns = 0
-        if self._stamped:
-            twist = message.twist
-            own_ns = nanoseconds(message.header.stamp)
-            if 0 <= now_ns - own_ns <= self.config.stamp_tolerance_ns and own_ns:
-                stamp_ns = own_ns
+        own_ns, v, w = command_in(message, self._stamped)
+        stamp_ns = now_ns
+        if own_ns and 0 <= now_ns - own_ns <= self.config.stamp_tolerance_ns:
+            stamp_ns = own_ns
         self.heard.note(now_ns, own_ns or now_ns)
         try:
-            self._command(Twist(twist.linear.x, twist.angular.z), stamp_ns)
+            self._command(Twist(v, w), stamp_ns)
         except ValueError:
             self._command(STILL, now_ns)
             raise
@@ -137,6 +134,8 @@ class DiffDriveController(DiffDriveNode[Config]):
             self.stop_timer(self._watchdog)
         rate = min(1.0 / timeout, MOST_WATCHDOG_CALLS) if timeout else 0.0
         self._watchdog = self.every(rate, self._on_silence) if rate else None
+        if self._watchdog:
+            self._watchdog.reset()  # timers of one rate are in step, and fire earlier at first
 
     def _on_silence(self) -> None:
         """End the command that no other has followed, however rarely the rates are repeated."""

@@ -18,7 +18,7 @@ from dataclasses import dataclass
 import sys
 from typing import Any, Dict, List, Mapping, Tuple
 
-from diffdrive_kinematics.nodes.clocks import SteppedClock
+from diffdrive_kinematics.nodes.clocks import SteadyTimers, SteppedClock
 from diffdrive_kinematics.nodes.command_sequence import CommandSequence
 from diffdrive_kinematics.nodes.diff_drive_controller import DiffDriveController
 from diffdrive_kinematics.nodes.forward_projection import ForwardProjection
@@ -83,8 +83,9 @@ class DiffDriveSim(DiffDriveNode[Config]):
     """Makes the other nodes, and reports where the robot believes to be and where it is."""
 
     def __init__(self) -> None:
+        self._steady = SteadyTimers()
         super().__init__('diffdrive_sim', DIFFDRIVE_SIM, build)
-        shared: Dict[str, Any] = {}
+        shared: Dict[str, Any] = {'timers': self._steady}
         if self.config.clock_step_ns:
             shared = {'stepped': SteppedClock(), 'traffic': Traffic()}
         self.members: List[DiffDriveNode] = [
@@ -92,7 +93,8 @@ class DiffDriveSim(DiffDriveNode[Config]):
             for member in self.config.members]
         self.stepper = Stepper(
             self, self.members, step_ns=self.config.clock_step_ns,
-            real_time_factor=self.config.real_time_factor, **shared) if shared else None
+            real_time_factor=self.config.real_time_factor,
+            **shared) if self.config.clock_step_ns else None
         self._sequences: List[CommandSequence] = self._of(CommandSequence)
         self._shown = -1
         self._rest_by_ns = 0
@@ -102,10 +104,13 @@ class DiffDriveSim(DiffDriveNode[Config]):
 
     def run(self, stop: Stop) -> None:
         """Run until the sequences are done and the robot rests, or until asked to stop."""
-        executor = make_executor([self, *self.members])
+        executor = make_executor([self, *self.members], self.parameters.values['executor'])
         try:
             self._announce()
-            (self.stepper.spin if self.stepper else spin)(executor, self._finished, stop)
+            if self.stepper:
+                self.stepper.spin(executor, self._finished, stop)
+            else:
+                spin(executor, self._steady, self._finished, stop)
         finally:
             finish(self.members, executor)
 

@@ -31,12 +31,13 @@ from diffdrive_kinematics.nodes.diagnostics import (
     Diagnosis, heard_values, Look, silence, stamp_values)
 from diffdrive_kinematics.nodes.from_values import (
     check_sides, check_wiring, wheel_geometry, wheel_slips)
-from diffdrive_kinematics.nodes.messages import nanoseconds, pose_in_plane, WheelReader
+from diffdrive_kinematics.nodes.messages import nanoseconds, pose_in_plane
 from diffdrive_kinematics.nodes.node import DiffDriveNode
 from diffdrive_kinematics.nodes.projection_messages import PolygonMessage, PosesMessage
 from diffdrive_kinematics.nodes.running import main_of
 from diffdrive_kinematics.nodes.tables import FORWARD_PROJECTION
 from diffdrive_kinematics.nodes.wheel_joints import wheel_joints
+from diffdrive_kinematics.nodes.wheel_messages import WheelReader
 from geometry_msgs.msg import PolygonStamped, PoseArray
 from nav_msgs.msg import Odometry
 from rclpy.publisher import Publisher
@@ -95,7 +96,7 @@ class ForwardProjection(DiffDriveNode[Config]):
         topic = values['boundary_topic']
         self._boundary_publisher = self.publisher(PolygonStamped, topic) if topic else None
         self.subscribe(Odometry, values['odom_topic'], self._on_odometry)
-        self.subscribe(JointState, values['wheel_motion_topic'], self._on_wheels)
+        self.subscribe(JointState, values['wheel_motion_topic'], self._on_wheels, raw=True)
         self._timer = self.every(values['publish_rate'], self._tick)
         self.parameters.on_change(self._configure)
         self._tell_bounds()
@@ -105,7 +106,7 @@ class ForwardProjection(DiffDriveNode[Config]):
         stamp_ns = nanoseconds(message.header.stamp)
         self.heard.note(stamp_ns, stamp_ns)
 
-    def _on_wheels(self, message: JointState) -> None:
+    def _on_wheels(self, message: bytes) -> None:
         now_ns = self._synchronised_now()
         sample = self._reader.read(message, lambda: now_ns)
         if sample is None:

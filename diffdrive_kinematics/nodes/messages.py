@@ -15,37 +15,41 @@
 """
 Conversions between ROS messages and the core's values.
 
-Messages are built once and refilled.  rclpy does not check field types unless
-ROS_PYTHON_CHECK_FIELDS=1, so every number is put in as a float.
+Messages that are sent often are bytes of which the numbers are overwritten (see ``wire``).
 """
 
 import math
-from typing import Callable, List, MutableSequence, Optional, Sequence, Tuple
+from typing import Iterable, Optional, Sequence, Tuple
 
 from builtin_interfaces.msg import Time
 from diffdrive_kinematics.core.arc import Pose
 from diffdrive_kinematics.core.covariance import PoseCovariance, TwistCovariance
-from diffdrive_kinematics.core.encoders import Encoder, PositionTrack
 from diffdrive_kinematics.core.odometry import BaseReading
 from diffdrive_kinematics.core.planar import planar_covariance, planar_pose
-from diffdrive_kinematics.core.wheel_motion import Pair, WheelSample
-from diffdrive_kinematics.nodes.wheel_joints import WheelJoints
-from geometry_msgs.msg import Pose as PoseMessage, PoseWithCovarianceStamped, TwistStamped
-from nav_msgs.msg import Odometry
-from sensor_msgs.msg import JointState
-from std_msgs.msg import Float64MultiArray
+from diffdrive_kinematics.nodes.wire import (
+    Layout, NANOSECONDS, read_stamped_twist, read_twist, Template)
+from geometry_msgs.msg import (
+    Pose as PoseMessage, PoseWithCovarianceStamped, Twist, TwistStamped)
+from rclpy.serialization import deserialize_message
 
 __all__ = [
-    'OdometryMessage', 'TwistMessage', 'WheelCommandMessage', 'WheelMessage', 'WheelReader',
-    'check_stamp', 'given_pose', 'nanoseconds', 'pose_in_plane', 'set_stamp']
+    'OdometryMessage', 'TwistMessage', 'check_stamp', 'command_in', 'given_pose', 'nanoseconds',
+    'pose_in_plane', 'quaternion_of', 'set_stamp']
 
-NANOSECONDS = 1_000_000_000
 LAST_SECOND = 2**31 - 1
 
 
 def nanoseconds(stamp: Time) -> int:
     """Return a stamp as an integer of nanoseconds."""
     return stamp.sec * NANOSECONDS + stamp.nanosec
+
+
+def check_stamp(sec: int, nanosec: int) -> None:
+    """Raise ``ValueError`` for a stamp that is none, or after which no other could be told."""
+    if nanosec >= NANOSECONDS or sec == LAST_SECOND:
+        raise ValueError(
+            f'stamp is (sec, nanosec) {(sec, nanosec)!r}, expected nanosec below '
+            f'{NANOSECONDS} and sec below {LAST_SECOND}')
 
 
 def set_stamp(stamp: Time, time_ns: int) -> None:
@@ -83,224 +87,101 @@ def given_pose(message: PoseWithCovarianceStamped, frame_id: str) -> Tuple[
     return pose_in_plane(message.pose.pose), planar_covariance(message.pose.covariance)
 
 
-def check_stamp(stamp: Time) -> None:
-    """Raise ``ValueError`` for a stamp that is none, or after which no other could be told."""
-    if stamp.nanosec >= NANOSECONDS or stamp.sec == LAST_SECOND:
-        raise ValueError(
-            f'stamp is (sec, nanosec) {(stamp.sec, stamp.nanosec)!r}, expected nanosec below '
-            f'{NANOSECONDS} and sec below {LAST_SECOND}')
-
-
-class WheelReader:
-    """
-    Reads wheel motion from JointState: joints in any order, several wheels a side.
-
-    A side's rate and position are the means over its wheels.  ``header.frame_id``, which has no
-    other meaning in a JointState, tells one run of a publisher of this package from another.
-    Positions that wrap around with the range of the encoders [rad] are followed, each joint by
-    itself; range 0: they do not wrap.
-    """
-
-    def __init__(
-            self, joints: WheelJoints, *, positions: bool = True,
-            encoder_range: float = 0.0) -> None:
-        self._joints = joints
-        self._with_positions = positions
-        self._fresh_track = self._track = PositionTrack(encoder_range)
-        self._source = ''
-        self._known_names: List[str] = []
-        self._indices: Tuple[Tuple[int, ...], Tuple[int, ...]] = ((), ())
-
-    def read(
-            self, message: JointState, now_ns: Callable[[], int]) -> Optional[WheelSample]:
-        """
-        Return the wheel sample of a message; None where none of our joints is in it.
-
-        A zero stamp means now.  Values that are NaN for all our joints count as absent, since
-        joint_state_broadcaster fills in NaN for what a robot does not measure.
-
-        Raises
-        ------
-        ValueError
-            If some of our joints are missing, lengths do not match, values are not finite, or
-            the stamp is none.
-
-        """
-        if message.name != self._known_names:
-            indices = self._find(message.name)
-            if indices is None:
-                return None
-            self._indices, self._known_names = indices, list(message.name)
-        check_stamp(message.header.stamp)
-        rates = self._pair('velocity', message.velocity)
-        positions = None
-        if self._with_positions:
-            positions = self._pair('position', self._followed(message))
-        if rates is not None and positions is not None:
-            rates = None if _is_nan(rates) else rates
-            positions = None if _is_nan(positions) and rates else positions
-        return WheelSample(nanoseconds(message.header.stamp) or now_ns(), rates, positions,
-                           source=message.header.frame_id)
-
-    def _find(
-            self, names: Sequence[str]) -> Optional[Tuple[Tuple[int, ...], Tuple[int, ...]]]:
-        wanted = self._joints.all_names()
-        missing = [name for name in wanted if name not in names]
-        if len(missing) == len(wanted):
-            return None
-        if missing:
-            raise ValueError(
-                f'name is {list(names)!r}, only some of our joints, expected also {missing!r}')
-        names = list(names)
-        left, right = (tuple(names.index(name) for name in side) for side in self._joints.names)
-        return left, right
-
-    def _followed(self, message: JointState) -> Sequence[float]:
-        """Return the positions of a message without their wraps; each source counts anew."""
-        positions = message.position
-        if not self._track.period or len(positions) != len(self._known_names):
-            return positions
-        ours = [positions[i] for side in self._indices for i in side]
-        if not all(map(math.isfinite, ours)):
-            return positions
-        source = message.header.frame_id
-        track = self._track if source == self._source else self._fresh_track
-        self._track, self._source = track.followed(ours), source
-        followed = list(positions)
-        for index, position in zip(
-                (i for side in self._indices for i in side), self._track.positions):
-            followed[index] = position
-        return followed
-
-    def _pair(self, field: str, values: Sequence[float]) -> Optional[Pair]:
-        if not values:
-            return None
-        if len(values) != len(self._known_names):
-            raise ValueError(
-                f'{field} has {len(values)} values, expected {len(self._known_names)}, one for '
-                'each name')
-        left, right = (
-            sum(values[i] for i in side) / len(side) for side in self._indices)
-        return self._joints.signed((left, right))
-
-
-def _is_nan(pair: Pair) -> bool:
-    return math.isnan(pair[0]) and math.isnan(pair[1])
-
-
-class WheelMessage:
-    """
-    A JointState for all wheels that is filled anew for each sample.
-
-    ``source`` tells this run of this publisher from any other, so that positions that begin to
-    count anew are not taken for motion (see ``WheelReader``).  ``encoder`` reads the positions.
-    """
-
-    def __init__(
-            self, joints: WheelJoints, source: str = '', encoder: Encoder = Encoder()) -> None:
-        self._joints, self._encoder = joints, encoder
-        self.message = JointState(name=joints.all_names())
-        self.message.header.frame_id = source
-
-    def filled(
-            self, stamp_ns: int, rates: Optional[Pair], positions: Optional[Pair]) -> JointState:
-        """Return the message with a stamp, rates [rad/s] and positions [rad]; None: absent."""
-        set_stamp(self.message.header.stamp, stamp_ns)
-        joints = self._joints
-        self.message.velocity = [] if rates is None else joints.spread(joints.signed(rates))
-        self.message.position = [] if positions is None else joints.spread(
-            self._read(joints.signed(positions)))
-        return self.message
-
-    def _read(self, angles: Pair) -> Pair:
-        return self._encoder.reading(angles[0]), self._encoder.reading(angles[1])
-
-
-class WheelCommandMessage:
-    """A Float64MultiArray of wheel rates, left wheels then right wheels."""
-
-    def __init__(self, joints: WheelJoints) -> None:
-        self._joints = joints
-        self.message = Float64MultiArray()
-
-    def filled(self, rates: Pair) -> Float64MultiArray:
-        """Return the message with rates [rad/s]."""
-        self.message.data = self._joints.spread(self._joints.signed(rates))
-        return self.message
+def command_in(data: bytes, stamped: bool) -> Tuple[int, float, float]:
+    """Return (stamp [ns], 0 for none; v; w) of a serialised Twist, or TwistStamped."""
+    if not stamped:
+        plain = read_twist(data)
+        if plain is None:
+            twist = deserialize_message(data, Twist)
+            return 0, twist.linear.x, twist.angular.z
+        return 0, plain[0], plain[1]
+    fields = read_stamped_twist(data)
+    if fields is None:
+        message = deserialize_message(data, TwistStamped)
+        twist = message.twist
+        return nanoseconds(message.header.stamp), twist.linear.x, twist.angular.z
+    sec, nanosec, v, w = fields
+    return sec * NANOSECONDS + nanosec, v, w
 
 
 class TwistMessage:
-    """A TwistStamped in a frame."""
+    """A serialised TwistStamped in a frame, or, without one, a Twist."""
 
-    def __init__(self, frame_id: str) -> None:
-        self.message = TwistStamped()
-        self.message.header.frame_id = frame_id
+    def __init__(self, frame_id: Optional[str]) -> None:
+        layout = Layout()
+        self._stamped = frame_id is not None
+        if frame_id is not None:
+            layout.header(frame_id)
+        at = layout.numbers('d', [0.0] * 6)
+        self._template = Template(layout)
+        self._numbers = self._template.doubles(at, 6)
 
-    def filled(self, stamp_ns: int, v: float, w: float) -> TwistStamped:
-        """Return the message with a stamp and a twist [m/s, rad/s]."""
-        set_stamp(self.message.header.stamp, stamp_ns)
-        self.message.twist.linear.x = float(v)
-        self.message.twist.angular.z = float(w)
-        return self.message
+    def filled(self, stamp_ns: int, v: float, w: float) -> bytes:
+        """Return the message with a stamp, where it has one, and a twist [m/s, rad/s]."""
+        if self._stamped:
+            self._template.stamp(stamp_ns)
+        self._numbers[0], self._numbers[5] = v, w
+        return self._template.message()
 
 
 POSE_BLOCK = (0, 1, 5, 6, 7, 11, 30, 31, 35)
 TWIST_BLOCK = (0, 5, 30, 35)
-
-
-def _write(matrix: MutableSequence[float], block: Sequence[int], values: Sequence[float]) -> None:
-    """Write single elements, which for so few is faster than a slice of numpy."""
-    for index, value in zip(block, values):
-        matrix[index] = value
+POSE_AT, POSE_COVARIANCE_AT, TWIST_AT, TWIST_COVARIANCE_AT = 0, 7, 43, 49
+ODOMETRY_DOUBLES = 85
 
 
 class OdometryMessage:
     """
-    An Odometry with its frames and covariances, in the order (x, y, z, roll, pitch, yaw).
+    A serialised Odometry with its frames and covariances.
 
     The pose is in ``frame_id``, the twist in ``child_frame_id`` (nav_msgs/Odometry), and so are
-    their covariances.  They are written only where they have changed.
+    their covariances, in the order (x, y, z, roll, pitch, yaw).
     """
 
     def __init__(self, frame_id: str, child_frame_id: str) -> None:
-        self.frame_id = frame_id
-        self.message = Odometry(child_frame_id=child_frame_id)
-        self.message.header.frame_id = frame_id
+        self.frame_id, self.child_frame_id = frame_id, child_frame_id
+        layout = Layout()
+        layout.header(frame_id)
+        layout.text(child_frame_id)
+        at = layout.numbers('d', [0.0] * ODOMETRY_DOUBLES)
+        self._template = Template(layout)
+        self._numbers = self._template.doubles(at, ODOMETRY_DOUBLES)
         self._pose_covariance: Optional[Tuple[float, ...]] = None
-        self._twist_covariance: Optional[Tuple[float, ...]] = None
 
     def set_diagonals(self, pose: Sequence[float], twist: Sequence[float]) -> None:
         """Set the variances of pose and twist, six each, and all covariances to zero."""
-        for matrix, diagonal in (
-                (self.message.pose.covariance, pose), (self.message.twist.covariance, twist)):
-            matrix[:] = 0.0
-            matrix[::7] = diagonal
-        self._pose_covariance = self._twist_covariance = None
+        for at, diagonal in ((POSE_COVARIANCE_AT, pose), (TWIST_COVARIANCE_AT, twist)):
+            self._write(at, range(36), (0.0,) * 36)
+            self._write(at, range(0, 36, 7), diagonal)
+        self._pose_covariance = None
 
     def set_pose_covariance(self, covariance: PoseCovariance, floor: float) -> None:
         """Set the block of x, y and yaw, with a floor of its variances."""
-        if covariance != self._pose_covariance:
+        if covariance is not self._pose_covariance:
             self._pose_covariance = covariance
             xx, xy, xt, yy, yt, tt = covariance
-            _write(self.message.pose.covariance, POSE_BLOCK, (
+            self._write(POSE_COVARIANCE_AT, POSE_BLOCK, (
                 xx + floor, xy, xt, xy, yy + floor, yt, xt, yt, tt + floor))
 
     def set_twist_covariance(self, covariance: TwistCovariance) -> None:
         """Set the block of forward speed and yaw rate."""
-        if covariance != self._twist_covariance:
-            self._twist_covariance = covariance
-            vv, vw, ww = covariance
-            _write(self.message.twist.covariance, TWIST_BLOCK, (vv, vw, vw, ww))
+        vv, vw, ww = covariance
+        self._write(TWIST_COVARIANCE_AT, TWIST_BLOCK, (vv, vw, vw, ww))
 
-    def filled(self, stamp_ns: int, reading: BaseReading) -> Odometry:
+    def _write(self, at: int, block: Iterable[int], values: Iterable[float]) -> None:
+        for index, value in zip(block, values):
+            self._numbers[at + index] = value
+
+    def filled(self, stamp_ns: int, reading: BaseReading) -> bytes:
         """Return the message with a stamp and what the base reads."""
-        set_stamp(self.message.header.stamp, stamp_ns)
-        pose = self.message.pose.pose
-        pose.position.x = float(reading.pose.x)
-        pose.position.y = float(reading.pose.y)
-        pose.orientation.z = math.sin(0.5 * reading.pose.theta)
-        pose.orientation.w = math.cos(0.5 * reading.pose.theta)
-        twist = self.message.twist.twist
-        twist.linear.x = float(reading.twist[0])
-        twist.angular.z = float(reading.twist[1])
-        return self.message
+        self._template.stamp(stamp_ns)
+        numbers, (x, y, theta) = self._numbers, reading.pose
+        numbers[POSE_AT], numbers[POSE_AT + 1] = x, y
+        numbers[POSE_AT + 5], numbers[POSE_AT + 6] = quaternion_of(theta)
+        numbers[TWIST_AT], numbers[TWIST_AT + 5] = reading.twist
+        return self._template.message()
+
+
+def quaternion_of(theta: float) -> Tuple[float, float]:
+    """Return (z, w) of the quaternion of a heading [rad]; its x and y are 0."""
+    return math.sin(0.5 * theta), math.cos(0.5 * theta)

@@ -16,14 +16,17 @@
 
 from collections import Counter
 import time
-from typing import Any, Callable, Dict, Generic, Mapping, Optional, Sequence, Set, Tuple, TypeVar
+from typing import (
+    Any, Callable, Dict, Generic, Iterator, Mapping, Optional, Sequence, Set, Tuple, TypeVar)
 
 from diagnostic_msgs.msg import DiagnosticArray
 from diffdrive_kinematics.core.wheel_motion import Verdict
-from diffdrive_kinematics.nodes.clocks import period_ns, SteppedClock, StepWatch
+from diffdrive_kinematics.nodes.clocks import (
+    clock_ns, period_ns, SteadyTimers, SteppedClock, StepWatch, Timer, Timers)
 from diffdrive_kinematics.nodes.diagnostics import Diagnosis, Heard, Look, Reporter, TOPIC
 from diffdrive_kinematics.nodes.entries import Entry
 from diffdrive_kinematics.nodes.parameters import ConfigurationError, ParameterSet
+from diffdrive_kinematics.nodes.polling import Poll, QUEUE_DEPTH as POLLED_QUEUE_DEPTH
 from diffdrive_kinematics.nodes.qos import (
     check_delivery, Override, overrides_from, overriding_options, reliable)
 from diffdrive_kinematics.nodes.traffic import Traffic
@@ -44,10 +47,12 @@ QUEUE_DEPTH = 10
 BEST_EFFORT = QoSProfile(depth=QUEUE_DEPTH, reliability=ReliabilityPolicy.BEST_EFFORT)
 STEPPED_QUEUE_DEPTH = 1000  # other processes cannot hold up time that is stepped
 REPORT_PERIOD_S = 1.0
+MOVED = Verdict.MOVED  # by far the most; an enum is slow to look up
 VERDICTS = {  # where it was seen, and what was done
     Verdict.OUT_OF_ORDER: ('stamps', 'dropped'),
     Verdict.CLOCK_STEP: ('stamps', 'nothing integrated'),
     Verdict.JUMPED: ('positions', 'they count anew, max_encoder_rate is exceeded')}
+UNREADABLE = (ValueError, OverflowError, rclpy_implementation.RMWError)
 HARDWARE = 'robot'  # what a node without a namespace belongs to
 LAST_WORD_PERIOD = Duration(nanoseconds=20_000_000)
 UNACKNOWLEDGED_WORDS = 3  # how often the last word is said where nobody acknowledges
@@ -66,6 +71,9 @@ class DiffDriveNode(Node, Generic[Config]):
         As for ``ParameterSet``.
     stepped : SteppedClock, optional
         Shared clock of a process that steps its time; replaces the node's own.
+    timers : SteadyTimers, optional
+        Shared timers of a process that fires them itself (``running.spin``); without them, and
+        on simulated time, the node has timers of rclpy, and any executor will do.
     traffic : Traffic, optional
         Counts messages between the nodes of such a process.
 
@@ -79,12 +87,16 @@ class DiffDriveNode(Node, Generic[Config]):
     def __init__(
             self, name: str, table: Tuple[Entry, ...],
             build: Callable[[Mapping[str, Any]], Config], *, namespace: str = '',
-            stepped: Optional[SteppedClock] = None, traffic: Optional[Traffic] = None) -> None:
+            stepped: Optional[SteppedClock] = None, traffic: Optional[Traffic] = None,
+            timers: Optional[SteadyTimers] = None) -> None:
+        self._polled: Set[Subscription] = set()
         super().__init__(name, namespace=namespace or None)
         self._stepped = stepped
         self._traffic = traffic
         self.time_clock: Clock = stepped.ros_clock if stepped else self.get_clock()
         self._step_watch = StepWatch(self.time_clock)
+        self._beat: Optional[Timers] = (
+            stepped if stepped or self.time_clock.ros_time_is_active else timers)
         self.counts: 'Counter[str]' = Counter()
         self.done = False
         self._topics: Set[str] = set()
@@ -101,12 +113,11 @@ class DiffDriveNode(Node, Generic[Config]):
 
     def now_ns(self) -> int:
         """Return the time [ns] on the node's clock."""
-        return self._stepped.now_ns() if self._stepped else self.time_clock.now().nanoseconds
+        return self._stepped.now_ns() if self._stepped else clock_ns(self.time_clock)
 
     def now_and_step(self) -> Tuple[int, int]:
         """Return the time [ns], and by how much the clock was stepped since the last call."""
-        now_ns = self.now_ns()
-        step_ns = self._step_watch.step_since_last(now_ns)
+        now_ns, step_ns = self._step_watch.now_and_step()
         if step_ns:
             self.counts['clock steps'] += 1
             self.heard.clock_stepped(step_ns)
@@ -122,8 +133,8 @@ class DiffDriveNode(Node, Generic[Config]):
         Real time is kept by the steady clock: a wall clock that is stepped back would stall a
         timer of the node's own clock (rclpy issue 1490).
         """
-        if self._stepped:
-            return self._stepped.create_timer(period_ns(rate), callback)
+        if self._beat:
+            return self._beat.create_timer(period_ns(rate), callback)
         clock = self.time_clock
         if not clock.ros_time_is_active:
             clock = Clock(clock_type=ClockType.STEADY_TIME)
@@ -139,7 +150,7 @@ class DiffDriveNode(Node, Generic[Config]):
     def stop_timer(self, timer: Any) -> None:
         """Never let a timer fire again."""
         timer.cancel()
-        if not self._stepped:
+        if not isinstance(timer, Timer):
             self.destroy_timer(timer)
 
     def source(self) -> str:
@@ -167,22 +178,45 @@ class DiffDriveNode(Node, Generic[Config]):
         A ``ValueError`` of the callback refuses the message: it is counted and reported, and
         the node lives on.
         """
-        def guarded(message: Any) -> None:
-            try:
-                callback(message)
-            except (ValueError, OverflowError) as error:
-                self.refuse(f"message on '{topic}': {error}")
-            finally:
-                if self._traffic:
-                    self._traffic.received(resolved)
-
-        resolved = self.resolve_topic_name(topic)
+        guarded = self._guarded(topic, callback)
         if self._traffic:
-            self._traffic.add_listener(resolved)
+            guarded = self._traffic.counted(self.resolve_topic_name(topic), guarded)
         return self._endpoint(
             lambda message_type, topic, profile, **options: self.create_subscription(
                 message_type, topic, guarded, profile, raw=raw, **options),
             message_type, topic, 'subscription', BEST_EFFORT if best_effort else None)
+
+    def poll(
+            self, message_type: type, topic: str, callback: Callable[[bytes, int], None]) -> Poll:
+        """
+        Return what hands serialised messages on when it is asked to; see :class:`Poll`.
+
+        Where the process does not fire timers by itself they are handed on as they come.
+        """
+        if not isinstance(self._beat, SteadyTimers):
+            self.subscribe(message_type, topic, lambda data: callback(data, 0), raw=True)
+            return Poll(self, callback)
+        subscription = self._endpoint(
+            lambda message_type, topic, profile, **options: self.create_subscription(
+                message_type, topic, _nobody, profile, raw=True, **options),
+            message_type, topic, 'subscription', reliable(POLLED_QUEUE_DEPTH))
+        self._polled.add(subscription)
+        return Poll(self, self._guarded(topic, callback), subscription)
+
+    @property
+    def subscriptions(self) -> Iterator[Subscription]:
+        """Return the subscriptions that an executor is to look after."""
+        return (each for each in super().subscriptions if each not in self._polled)
+
+    def _guarded(self, topic: str, callback: Callable[..., None]) -> Callable[..., None]:
+        """Return a callback that refuses what it cannot read: counted, reported, survived."""
+        def guarded(*message: Any) -> None:
+            try:
+                callback(*message)
+            except UNREADABLE as error:
+                self.refuse(f"message on '{topic}': {error}")
+
+        return guarded
 
     def serve(
             self, service_type: type, name: str, answer: Callable[[Any, Any], Any]) -> Service:
@@ -276,7 +310,7 @@ class DiffDriveNode(Node, Generic[Config]):
 
     def judge(self, verdict: Verdict, topic: str) -> None:
         """Count and report wheel motion that was not taken as it came."""
-        if verdict in VERDICTS:
+        if verdict is not MOVED and verdict in VERDICTS:
             what, done = VERDICTS[verdict]
             self.counts[verdict.value] += 1
             self.get_logger().warning(
@@ -321,6 +355,10 @@ class DiffDriveNode(Node, Generic[Config]):
                 listener, *self.get_publishers_info_by_topic(publisher.topic_name)))
             for publisher in publishers
             for listener in self.get_subscriptions_info_by_topic(publisher.topic_name))
+
+
+def _nobody(_: bytes) -> None:
+    """Be the callback of a subscription that no executor calls back."""
 
 
 def _words_to_fill(publisher: Publisher) -> int:

@@ -21,7 +21,6 @@ run time is judged first, without side effects, and applied only after it was ac
 """
 
 from dataclasses import dataclass
-import difflib
 from typing import Any, Callable, Dict, Generic, Iterable, Mapping, Optional, Tuple, TypeVar
 
 from diffdrive_kinematics.nodes import tables
@@ -205,6 +204,7 @@ class ParameterSet(Generic[Config]):
                 logger.info(
                     f"parameter '{name}' of ros2_controllers means nothing here, ignored")
                 continue
+            import difflib  # for the typo only: it takes milliseconds of every start
             near = difflib.get_close_matches(name, sorted(tables.KNOWN_NAMES), n=1)
             hint = f", did you mean '{near[0]}'?" if near else ''
             logger.warning(

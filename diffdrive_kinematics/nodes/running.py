@@ -24,6 +24,7 @@ import signal
 import sys
 from typing import Callable, Iterable, List, Optional
 
+from diffdrive_kinematics.nodes.clocks import SteadyTimers
 from diffdrive_kinematics.nodes.node import DiffDriveNode
 from diffdrive_kinematics.nodes.parameters import ConfigurationError
 from diffdrive_kinematics.nodes.waking import Awake
@@ -56,23 +57,41 @@ class Stop:
         self._asked = True
 
 
-def make_executor(nodes: Iterable[DiffDriveNode]) -> Executor:
-    """Return the executor of the package with nodes added to it."""
-    try:
-        from rclpy.experimental import EventsExecutor
-        executor = EventsExecutor()
-    except ImportError:
-        executor = SingleThreadedExecutor()
+def make_executor(nodes: Iterable[DiffDriveNode], kind: str = 'auto') -> Executor:
+    """
+    Return the executor of the package with nodes added to it.
+
+    Raises
+    ------
+    ConfigurationError
+        If the kind is 'events' and this rclpy has no EventsExecutor.
+
+    """
+    executor = None
+    if kind != 'single_threaded':
+        try:
+            from rclpy.experimental import EventsExecutor
+            executor = EventsExecutor()
+        except ImportError as error:
+            if kind == 'events':
+                raise ConfigurationError(
+                    "executor is 'events', and this rclpy has none (it came with rclpy 7.1.4): "
+                    "update ROS 2 Jazzy, or leave it at 'auto'") from error
+    executor = executor or SingleThreadedExecutor()
     for node in nodes:
         executor.add_node(node)
     return executor
 
 
-def spin(executor: Executor, finished: Callable[[], bool], stop: Stop) -> None:
-    """Spin until finished or asked to stop."""
+def spin(
+        executor: Executor, timers: SteadyTimers, finished: Callable[[], bool],
+        stop: Stop) -> None:
+    """Spin, and fire timers, until finished or asked to stop."""
+    spin_once, seconds_left, fire_due = executor.spin_once, timers.seconds_left, timers.fire_due
     with Awake(executor):
         while not stop and not finished():
-            executor.spin_once(timeout_sec=SPIN_TIMEOUT_S)
+            spin_once(timeout_sec=seconds_left(SPIN_TIMEOUT_S))
+            fire_due()
 
 
 def run(work: Callable[[Stop], int], args: Optional[List[str]] = None) -> int:
@@ -107,21 +126,22 @@ def finish(nodes: Iterable[DiffDriveNode], executor: Executor) -> None:
     executor.shutdown()
 
 
-def spin_node(node: DiffDriveNode, stop: Stop) -> None:
+def spin_node(node: DiffDriveNode, timers: SteadyTimers, stop: Stop) -> None:
     """Spin one node until it is done or asked to stop, and let it say its last word."""
-    executor = make_executor([node])
+    executor = make_executor([node], node.parameters.values['executor'])
     try:
-        spin(executor, lambda: node.done, stop)
+        spin(executor, timers, lambda: node.done, stop)
     finally:
         finish([node], executor)
 
 
-def main_of(make: Callable[[], DiffDriveNode]) -> Callable[[], None]:
+def main_of(make: Callable[..., DiffDriveNode]) -> Callable[[], None]:
     """Return the ``main`` of an executable that runs one node."""
     def work(stop: Stop) -> int:
-        node = make()
+        timers = SteadyTimers()
+        node = make(timers=timers)
         try:
-            spin_node(node, stop)
+            spin_node(node, timers, stop)
         finally:
             node.destroy_node()
         return 0

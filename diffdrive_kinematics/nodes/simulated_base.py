@@ -14,7 +14,7 @@
 
 """``simulated_base``: wheel motion in, odometry, joint states and tf out."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 import math
 from typing import Any, Mapping, Optional, Tuple
 
@@ -31,14 +31,14 @@ from diffdrive_kinematics.nodes.diagnostics import (
     Diagnosis, heard_values, Look, silence, slowness, stamp_values)
 from diffdrive_kinematics.nodes.from_values import check_sides, check_wiring, wheel_geometry
 from diffdrive_kinematics.nodes.messages import (
-    check_stamp, given_pose, nanoseconds, OdometryMessage, pose_in_plane, WheelMessage,
-    WheelReader)
+    check_stamp, given_pose, nanoseconds, OdometryMessage, pose_in_plane)
 from diffdrive_kinematics.nodes.node import DiffDriveNode
 from diffdrive_kinematics.nodes.path import PathPublisher
 from diffdrive_kinematics.nodes.running import main_of
 from diffdrive_kinematics.nodes.tables import SIMULATED_BASE
 from diffdrive_kinematics.nodes.tf import frame_prefix, TransformPublisher
 from diffdrive_kinematics.nodes.wheel_joints import wheel_joints
+from diffdrive_kinematics.nodes.wheel_messages import WheelMessage, WheelReader
 from geometry_msgs.msg import PoseWithCovarianceStamped
 from nav_msgs.msg import Odometry
 import numpy as np
@@ -108,14 +108,15 @@ class SimulatedBase(DiffDriveNode[Config]):
         self._reader = WheelReader(
             joints, positions=values['position_feedback'], encoder_range=encoder.period)
         pose, covariance = _start(values)
-        self._odometry = replace(core.Odometry.starting_at(
+        self._odometry = core.Odometry.starting_at(
             pose, geometry=self.config.geometry, timeout_ns=self.config.timeout_ns,
-            slip_variances=self.config.slip_variances, covariance=covariance),
-            max_rate=_bound(values))
+            slip_variances=self.config.slip_variances, covariance=covariance)._replace(
+                max_rate=_bound(values))
         self._wheels = WheelMessage(joints, self.source(), encoder)
         prefix = frame_prefix(values, self.get_namespace())
         self._message = OdometryMessage(
             prefix + values['odom_frame_id'], prefix + values['base_frame_id'])
+        self._frames = self._message.frame_id, self._message.child_frame_id
         self._set_diagonals(values)
         topic = values['odom_topic']
         self._publisher = self.publisher(Odometry, topic) if topic else None
@@ -128,7 +129,9 @@ class SimulatedBase(DiffDriveNode[Config]):
             self.subscribe(Odometry, values['belief_topic'], self._on_belief)
         self._path = PathPublisher(
             self, values, self._message.frame_id) if values['path_topic'] else None
-        self.subscribe(JointState, values['wheel_motion_topic'], self._on_wheels)
+        self._wheel_motion = self.poll(
+            JointState, values['wheel_motion_topic'], self._on_wheels)
+        self._wheel_motion.promise(values['publish_rate'])
         topic = values['set_pose_topic']
         if topic:
             self.subscribe(PoseWithCovarianceStamped, topic, self._on_pose)
@@ -143,8 +146,9 @@ class SimulatedBase(DiffDriveNode[Config]):
         """Return the base as it is now."""
         return self._odometry.at(self._synchronised_now())
 
-    def _on_wheels(self, message: JointState) -> None:
+    def _on_wheels(self, message: bytes, received_ns: int) -> None:
         now_ns = self._synchronised_now()
+        now_ns = min(now_ns, received_ns or now_ns)
         sample = self._reader.read(message, lambda: now_ns)
         if sample is None:
             return
@@ -156,34 +160,35 @@ class SimulatedBase(DiffDriveNode[Config]):
 
     def _on_belief(self, belief: Odometry) -> None:
         """Say where the believed frame is, so that the robot is seen where it really is."""
-        own, base = self._message.frame_id, self._message.message.child_frame_id
+        own, base = self._frames
         if belief.child_frame_id != base:
             raise ValueError(f'child_frame_id is {belief.child_frame_id!r}, expected {base!r}')
         if belief.header.frame_id in ('', own):
             raise ValueError(
                 f'frame_id is {belief.header.frame_id!r}, expected another frame than {own!r}')
-        check_stamp(belief.header.stamp)
-        stamp_ns = nanoseconds(belief.header.stamp)
+        stamp = belief.header.stamp
+        check_stamp(stamp.sec, stamp.nanosec)
+        stamp_ns = nanoseconds(stamp)
         if not stamp_ns:
             raise ValueError('stamp is 0, expected the time of the pose')
         believed = pose_in_plane(belief.pose.pose)
-        now_ns = self._synchronised_now()
+        now_ns = self._updated_now()
         if self._odometry.motion is None:
             return
         truth = self._history.pose_at(stamp_ns, now_ns)
-        self._map_odom.publish_pose(
-            belief.header.stamp, own, belief.header.frame_id,
-            composed(truth, inverted(believed)))
+        self._map_odom.publish(
+            stamp_ns, (own, belief.header.frame_id), composed(truth, inverted(believed)))
 
     def _on_pose(self, message: PoseWithCovarianceStamped) -> None:
         pose, covariance = given_pose(message, self._message.frame_id)
-        self._place(self._odometry.placed_at(pose, covariance, self._synchronised_now()))
+        now_ns = self._updated_now()
+        self._place(self._odometry.placed_at(pose, covariance, now_ns))
         self._report_place(f"set on '{self.config.values['set_pose_topic']}'")
 
     def _on_reset(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
         pose, covariance = _start(self.config.values)
-        self._place(self._odometry.placed_at(
-            pose, covariance, self._synchronised_now(), keep_angles=False))
+        now_ns = self._updated_now()
+        self._place(self._odometry.placed_at(pose, covariance, now_ns, keep_angles=False))
         response.success, response.message = True, self._report_place('reset')
         return response
 
@@ -203,7 +208,7 @@ class SimulatedBase(DiffDriveNode[Config]):
         return report
 
     def _tick(self) -> None:
-        now_ns = self._synchronised_now()
+        now_ns = self._updated_now()
         if self._odometry.motion is None:
             topic = self.config.values['wheel_motion_topic']
             self.get_logger().info(
@@ -212,15 +217,14 @@ class SimulatedBase(DiffDriveNode[Config]):
             return
         self.sent += 1
         reading = self._odometry.at(now_ns)
-        message = self._message.filled(now_ns, reading)
         if self._publisher:
             self._set_covariances(now_ns, reading.rates)
-            self._publisher.publish(message)
+            self._publisher.publish(self._message.filled(now_ns, reading))
         if self._joints_publisher:
             self._joints_publisher.publish(
                 self._wheels.filled(now_ns, reading.rates, reading.angles))
         if self._transform:
-            self._transform.publish(message)
+            self._transform.publish(now_ns, self._frames, reading.pose)
         if self._path:
             self._path.add(now_ns, reading.pose)
 
@@ -237,6 +241,11 @@ class SimulatedBase(DiffDriveNode[Config]):
                          self.resolve_topic_name(values['wheel_motion_topic'])),
                 *slowness(look, values['publish_rate'])])
 
+    def _updated_now(self) -> int:
+        """Return the time, after all wheel motion that has come up to then."""
+        self._wheel_motion.take()
+        return self._synchronised_now()
+
     def _synchronised_now(self) -> int:
         now_ns, step_ns = self.now_and_step()
         if step_ns and not self.heard.agrees_after(step_ns):  # else the stamps were stepped before
@@ -249,31 +258,34 @@ class SimulatedBase(DiffDriveNode[Config]):
         floor = (values['covariance_floor'],) * 6
         pose, twist = values['pose_covariance_diagonal'], values['twist_covariance_diagonal']
         self._fixed_pose, self._fixed_twist = any(pose), any(twist)
+        self._floor, self._period = values['covariance_floor'], 1.0 / values['publish_rate']
+        self._twist_of: Optional[Pair] = None
         self._message.set_diagonals(
             pose if self._fixed_pose else floor, twist if self._fixed_twist else floor)
 
     def _set_covariances(self, now_ns: int, rates: Pair) -> None:
         """Set what the slip makes of the pose up to now, and of the twist in a period."""
-        values = self.config.values
         if not self._fixed_pose:
             self._message.set_pose_covariance(
-                self._odometry.covariance_at(now_ns), values['covariance_floor'])
-        if not self._fixed_twist:
+                self._odometry.covariance_at(now_ns), self._floor)
+        if not self._fixed_twist and rates != self._twist_of:
+            self._twist_of = rates
             self._message.set_twist_covariance(twist_covariance(
-                self.config.geometry, rates, *self.config.slip_variances,
-                1.0 / values['publish_rate'], values['covariance_floor']))
+                self.config.geometry, rates, *self.config.slip_variances, self._period,
+                self._floor))
 
     def _configure(self, config: Config) -> None:
-        now_ns = self._synchronised_now()
+        now_ns = self._updated_now()
         old = self._odometry
         if (config.geometry, config.timeout_ns, config.slip_variances) != (
                 old.geometry, old.timeout_ns, old.slip_variances):
             self._odometry = old.configured(
                 config.geometry, config.timeout_ns, now_ns, config.slip_variances)
-        self._odometry = replace(self._odometry, max_rate=_bound(config.values))
+        self._odometry = self._odometry._replace(max_rate=_bound(config.values))
         self._history = self._history.followed(self._odometry)
         self._set_diagonals(config.values)
         self._timer = self.retimed(self._timer, config.values['publish_rate'], self._tick)
+        self._wheel_motion.promise(config.values['publish_rate'])
 
 
 main = main_of(SimulatedBase)

@@ -42,6 +42,10 @@ __all__ = [
 _DIAGNOSTICS = Entry(
     'diagnostics_rate', 1.0, 'rate [Hz] of the status on /diagnostics; 0: off',
     check=check_rate_or_off, read_only=True)
+_EXECUTOR = Entry(
+    'executor', 'auto', 'of the process: auto (EventsExecutor where this rclpy has it), events, '
+    'single_threaded; among the nodes of diffdrive_sim its own counts', Kind.STRING,
+    check_one_of('auto', 'events', 'single_threaded'), read_only=True)
 _JOINTS = (
     Entry('left_wheel_names', ['left_wheel_joint'], 'joints of the left wheels', Kind.STRINGS,
           check_joint_names, read_only=True),
@@ -136,7 +140,7 @@ DIFF_DRIVE_CONTROLLER = (
     Entry('max_wheel_rate', math.nan, 'bound [rad/s] of all wheels; beyond it both sides are '
           'scaled by one factor, so that the path keeps its curvature; NaN: none'),
     string('base_frame_id', 'base_link', 'frame of the limited velocity', check_named),
-    *_axis_entries(), _DIAGNOSTICS)
+    *_axis_entries(), _DIAGNOSTICS, _EXECUTOR)
 
 WHEEL_NOISE = (
     *_RADII, *_JOINTS,
@@ -153,7 +157,7 @@ WHEEL_NOISE = (
           Kind.INTEGER, check_seed),
     Entry('command_timeout', 0.5, 'silence [s] over which rates are held at most; as in '
           'simulated_base; 0: any', check=check_duration),
-    _DIAGNOSTICS)
+    _DIAGNOSTICS, _EXECUTOR)
 
 _START = (
     Entry('initial_pose', [0.0, 0.0, 0.0], 'x [m], y [m], yaw [rad] at start', Kind.DOUBLES,
@@ -214,7 +218,7 @@ SIMULATED_BASE = (
           check=check_non_negative, read_only=True),
     Entry('path_rate', 2.0, 'rate [Hz] at which the path is published, where it has changed',
           check=check_rate, read_only=True),
-    _DIAGNOSTICS)
+    _DIAGNOSTICS, _EXECUTOR)
 
 _SQUARE = (
     Entry('square_side', 0.0, 'side [m] of the square of UMBmark; 0: none',
@@ -244,7 +248,7 @@ COMMAND_SEQUENCE = (
           check=check_rate, read_only=True),
     Entry('wait_for_topics', [], 'topics that must have answered before the first command; '
           'until then zeros are sent', Kind.STRINGS, read_only=True),
-    _DIAGNOSTICS)
+    _DIAGNOSTICS, _EXECUTOR)
 
 FORWARD_PROJECTION = (
     *_GEOMETRY, *_JOINTS,
@@ -263,7 +267,7 @@ FORWARD_PROJECTION = (
     Entry('samples', 200, 'number of poses', Kind.INTEGER, check_count),
     Entry('seed', 0, 'of the samples; the same each time, so that they move with the robot',
           Kind.INTEGER, check_seed),
-    *_SLIP, _DISTRIBUTION, _DIAGNOSTICS)
+    *_SLIP, _DISTRIBUTION, _DIAGNOSTICS, _EXECUTOR)
 
 PLOT_PATHS = (
     *_SEPARATION,
@@ -310,7 +314,8 @@ CALIBRATE = (
     string('output', 'calibration.yaml', 'params file to write', check_named),
     string('picture', '', 'picture of errors before and after to write, .png or .svg; empty: '
            'none', check_optional_picture),
-    Entry('overwrite', False, 'replace files that exist', Kind.BOOL, read_only=True))
+    Entry('overwrite', False, 'replace files that exist', Kind.BOOL, read_only=True),
+    _EXECUTOR)
 
 ROBOT_DESCRIPTION = (
     *_GEOMETRY, *_JOINTS,
@@ -322,14 +327,16 @@ ROBOT_DESCRIPTION = (
     Entry('wheel_width', math.nan, 'width [m] of the wheels, above 0; NaN: half a radius',
           check=check_width),
     string('output', '', 'file to write instead: .urdf, or .yaml, a params file for '
-           'robot_state_publisher; empty: publish', check_description))
+           'robot_state_publisher; empty: publish', check_description),
+    _EXECUTOR)
 
 DIFFDRIVE_SIM = (
     Entry('nodes', [], "what to compose: 'class' or 'class:name'", Kind.STRINGS, read_only=True),
     Entry('clock_step', 0.0, 'step [s] of a simulated clock that is published on /clock; 0: real '
           'time', check=check_step, read_only=True),
     Entry('real_time_factor', 0.0, 'pace of the simulated clock; 0: as fast as the nodes can '
-          'follow', check=check_non_negative, read_only=True))
+          'follow', check=check_non_negative, read_only=True),
+    _EXECUTOR)
 
 TABLES = {
     'diff_drive_controller': DIFF_DRIVE_CONTROLLER, 'wheel_noise': WHEEL_NOISE,

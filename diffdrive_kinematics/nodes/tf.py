@@ -14,13 +14,11 @@
 
 """Transforms for tf2, optional at run time, and the names of their frames."""
 
-import math
-from typing import Any, Mapping, TYPE_CHECKING
+from typing import Any, Mapping, Tuple, TYPE_CHECKING
 
-from builtin_interfaces.msg import Time
 from diffdrive_kinematics.core.arc import Pose
-from geometry_msgs.msg import TransformStamped
-from nav_msgs.msg import Odometry
+from diffdrive_kinematics.nodes.messages import quaternion_of
+from diffdrive_kinematics.nodes.wire import Layout, Template
 
 if TYPE_CHECKING:
     from diffdrive_kinematics.nodes.node import DiffDriveNode
@@ -40,6 +38,27 @@ def frame_prefix(values: Mapping[str, Any], namespace: str) -> str:
     return f'{prefix}/' if prefix else ''
 
 
+class TransformMessage:
+    """A serialised TFMessage of one transform."""
+
+    def __init__(self, frame_id: str, child_frame_id: str) -> None:
+        self.frames = frame_id, child_frame_id
+        layout = Layout()
+        layout.numbers('I', [1])
+        self._stamp_at = layout.header(frame_id)
+        layout.text(child_frame_id)
+        at = layout.numbers('d', [0.0] * 7)
+        self._template = Template(layout)
+        self._numbers = self._template.doubles(at, 7)
+
+    def filled(self, stamp_ns: int, pose: Pose) -> bytes:
+        """Return the message with a stamp and the pose of the child frame."""
+        self._template.stamp(stamp_ns, self._stamp_at)
+        self._numbers[0], self._numbers[1] = pose.x, pose.y
+        self._numbers[5], self._numbers[6] = quaternion_of(pose.theta)
+        return self._template.message()
+
+
 class TransformPublisher:
     """
     Publishes transforms on ``/tf``.
@@ -57,34 +76,17 @@ class TransformPublisher:
                 'tf is off: the package tf2_msgs is missing (apt install ros-jazzy-tf2-msgs); '
                 f'set {switch} to false to do without')
             return
-        self._message = TFMessage(transforms=[TransformStamped()])
+        self._message = TransformMessage('', '')
         self._publisher = node.publisher(TFMessage, '/tf')
 
     def __bool__(self) -> bool:
         """Return whether tf2_msgs is there."""
         return self._publisher is not None
 
-    def publish(self, odometry: Odometry) -> None:
-        """Publish the transform header.frame_id -> child_frame_id of an odometry."""
+    def publish(self, stamp_ns: int, frames: Tuple[str, str], pose: Pose) -> None:
+        """Publish the pose of a frame in another one; frames are (parent, child)."""
         if self._publisher is None:
             return
-        transform = self._message.transforms[0]
-        transform.header = odometry.header
-        transform.child_frame_id = odometry.child_frame_id
-        transform.transform.translation.x = odometry.pose.pose.position.x
-        transform.transform.translation.y = odometry.pose.pose.position.y
-        transform.transform.rotation = odometry.pose.pose.orientation
-        self._publisher.publish(self._message)
-
-    def publish_pose(self, stamp: Time, frame_id: str, child_frame_id: str, pose: Pose) -> None:
-        """Publish the pose of a frame in another one."""
-        if self._publisher is None:
-            return
-        transform = self._message.transforms[0]
-        transform.header.stamp = stamp
-        transform.header.frame_id, transform.child_frame_id = frame_id, child_frame_id
-        transform.transform.translation.x = float(pose.x)
-        transform.transform.translation.y = float(pose.y)
-        transform.transform.rotation.z = math.sin(0.5 * pose.theta)
-        transform.transform.rotation.w = math.cos(0.5 * pose.theta)
-        self._publisher.publish(self._message)
+        if frames != self._message.frames:
+            self._message = TransformMessage(*frames)
+        self._publisher.publish(self._message.filled(stamp_ns, pose))

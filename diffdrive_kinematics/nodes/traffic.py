@@ -15,6 +15,7 @@
 """Counts the messages on their way between the nodes of one process."""
 
 from collections import Counter
+from typing import Any, Callable
 
 from rclpy.publisher import Publisher
 
@@ -34,9 +35,17 @@ class Traffic:
         self._in_flight: 'Counter[str]' = Counter()
         self.publishers: 'list[Publisher]' = []
 
-    def add_listener(self, topic: str) -> None:
-        """Note a subscription of this process, by resolved topic name."""
+    def counted(self, topic: str, callback: Callable[..., None]) -> Callable[..., None]:
+        """Return the callback of a subscription of this process, by resolved topic name."""
         self._listeners[topic] += 1
+
+        def counting(*message: Any) -> None:
+            try:
+                callback(*message)
+            finally:
+                self._in_flight[topic] -= 1
+
+        return counting
 
     def remove_listener(self, topic: str) -> None:
         """Note that a subscription of this process is gone."""
@@ -52,10 +61,6 @@ class Traffic:
 
         publisher.publish = counted
         self.publishers.append(publisher)
-
-    def received(self, topic: str) -> None:
-        """Note that a subscription has handled a message."""
-        self._in_flight[topic] -= 1
 
     def settled(self) -> bool:
         """Return whether nothing is on its way."""

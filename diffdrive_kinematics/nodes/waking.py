@@ -22,7 +22,6 @@ is stepped back by an hour would hold up timers, and the end of a command, for a
 import threading
 import time
 
-from rclpy.clock_type import ClockType
 from rclpy.executors import Executor
 
 __all__ = ['Awake']
@@ -54,14 +53,11 @@ class Awake:
             time.sleep(LOOK_PERIOD_S)
             before, difference = difference, _difference()
             if difference < before - STEP_NS:
-                self._executor.create_task(self._restart_timers)
+                self._executor.create_task(_go_on)
 
-    def _restart_timers(self) -> None:
-        """Let what waits for the next timer look at it anew."""
-        for node in self._executor.get_nodes():
-            for timer in node.timers:
-                if timer.clock.clock_type is ClockType.STEADY_TIME:
-                    timer.reset()
+
+def _go_on() -> None:
+    """Do nothing: to have it to do ends the wait."""
 
 
 def _difference() -> int:

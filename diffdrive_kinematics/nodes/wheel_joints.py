@@ -42,13 +42,14 @@ class WheelJoints:
 
     def signed(self, pair: Pair) -> Pair:
         """Return what joints say of wheels, or wheels of joints; zero has no sign."""
-        left, right = (
-            0.0 - value if inverted else value for value, inverted in zip(pair, self.inverted))
-        return left, right
+        left, right = pair
+        left_inverted, right_inverted = self.inverted
+        return 0.0 - left if left_inverted else left, 0.0 - right if right_inverted else right
 
     def spread(self, pair: Pair) -> 'list[float]':
         """Return a value of each side as one of each joint."""
-        return [float(value) for value, side in zip(pair, self.names) for _ in side]
+        left, right = pair
+        return [left] * len(self.names[0]) + [right] * len(self.names[1])
 
 
 def wheel_joints(values: Mapping[str, Any]) -> WheelJoints:

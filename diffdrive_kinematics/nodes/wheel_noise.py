@@ -23,11 +23,11 @@ from diffdrive_kinematics.nodes.diagnostics import (
     Diagnosis, heard_values, Look, silence, stamp_values)
 from diffdrive_kinematics.nodes.from_values import (
     check_sides, check_wiring, wheel_radii, wheel_slips)
-from diffdrive_kinematics.nodes.messages import WheelMessage, WheelReader
 from diffdrive_kinematics.nodes.node import DiffDriveNode
 from diffdrive_kinematics.nodes.running import main_of
 from diffdrive_kinematics.nodes.tables import WHEEL_NOISE
 from diffdrive_kinematics.nodes.wheel_joints import wheel_joints
+from diffdrive_kinematics.nodes.wheel_messages import WheelMessage, WheelReader
 import numpy as np
 from sensor_msgs.msg import JointState
 
@@ -62,10 +62,10 @@ class WheelNoise(DiffDriveNode[Config]):
         self._seed = values['seed']
         self._generator = np.random.default_rng(self._seed)
         self._publisher = self.publisher(JointState, values['output_topic'])
-        self.subscribe(JointState, values['input_topic'], self._on_wheels)
+        self.subscribe(JointState, values['input_topic'], self._on_wheels, raw=True)
         self.parameters.on_change(self._configure)
 
-    def _on_wheels(self, message: JointState) -> None:
+    def _on_wheels(self, message: bytes) -> None:
         sample = self._reader.read(message, self.now_ns)
         if sample is None:
             return

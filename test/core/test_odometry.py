@@ -389,7 +389,7 @@ def test_a_base_that_is_put_elsewhere_stands_there_and_then_moves_on_by_what_whe
     if not with_rates:
         samples = [replace(sample, rates=None) for sample in samples]
     when = samples[-1].stamp_ns + after
-    before = fed(replace(START, timeout_ns=None), samples)
+    before = fed(START._replace(timeout_ns=None), samples)
     placed = before.placed_at(Pose(-3.0, 4.0, 0.5), NO_COVARIANCE, when)
     reading = placed.at(when + 10 * S)
     assert (reading.pose, reading.twist, reading.rates) == (
@@ -402,8 +402,8 @@ def test_a_base_that_is_put_elsewhere_stands_there_and_then_moves_on_by_what_whe
         (last[0] + angle[0] + 0.3, last[1] + angle[1] + 0.3))
     moved, verdict = placed.received(following, NOW)
     assert verdict is Verdict.MOVED
-    expected = replace(
-        START, x=RunningSum(-3.0), y=RunningSum(4.0), theta=RunningSum(0.5))._rolled((0.3, 0.3))
+    expected = START._replace(
+        x=RunningSum(-3.0), y=RunningSum(4.0), theta=RunningSum(0.5))._rolled((0.3, 0.3), None)
     assert_same_reading(
         moved.at(following.stamp_ns)._replace(angles=STILL, rates=STILL),
         expected.at(0)._replace(angles=STILL, rates=STILL), 1e-9)
@@ -411,7 +411,7 @@ def test_a_base_that_is_put_elsewhere_stands_there_and_then_moves_on_by_what_whe
 
 def test_a_base_that_is_put_elsewhere_has_the_covariance_and_the_angles_that_are_asked_for():
     given_covariance = PoseCovariance(0.1, 0.0, 0.0, 0.2, 0.0, 0.3)
-    odometry = fed(replace(START, slip_variances=(0.01, 0.01)), with_positions(
+    odometry = fed(START._replace(slip_variances=(0.01, 0.01)), with_positions(
         [WheelSample(number * 20 * MS, A) for number in range(9)]))
     placed = odometry.placed_at(Pose(0.0, 0.0, 0.0), given_covariance, S, keep_angles=False)
     assert placed.covariance_at(2 * S) == given_covariance
@@ -497,7 +497,7 @@ def test_what_was_driven_stays_driven_however_far_ahead_the_publishers_clock_is(
 def test_a_lost_change_of_the_rates_costs_the_arc_of_one_message_however_long_they_were_held(
         repeats, before, after, change_ms):
     """Rates were held for repeats * 20 ms, changed within the next 20 ms, and that was lost."""
-    start = replace(START, timeout_ns=None)
+    start = START._replace(timeout_ns=None)
     change = repeats * 20 * MS + change_ms * MS
     times = [number * 20 * MS for number in range(repeats + 1)]
     samples = [WheelSample(S + time, before, scaled(before, time)) for time in times]

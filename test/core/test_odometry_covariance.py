@@ -14,7 +14,6 @@
 
 """The covariance that odometry carries: that of the path, whatever messages it came by."""
 
-from dataclasses import replace
 import math
 
 from diffdrive_kinematics.core.arc import Pose
@@ -31,7 +30,7 @@ NOW = 1000 * S
 GEOMETRY = WheelGeometry(0.4, 0.1, 1.1, 0.9, 1.2)
 SLIP = (3e-7, 5e-7)
 PLAIN = Odometry.starting_at(Pose(1.0, -2.0, 2.5), geometry=GEOMETRY, timeout_ns=S)
-START = replace(PLAIN, slip_variances=SLIP)
+START = PLAIN._replace(slip_variances=SLIP)
 LEGS = [
     (0, (5.0, 7.0)), (300 * MS, (-3.0, 4.0)), (900 * MS, (0.0, 6.0)), (1200 * MS, (-2.0, -2.0))]
 END = 1500 * MS
@@ -129,9 +128,9 @@ def test_new_settings_leave_the_slip_as_it_is_where_they_do_not_name_it():
 
 def test_it_is_in_the_axes_of_the_fixed_frame():
     """A straight along +y has its variance across, which is along x."""
-    north = replace(
-        Odometry.starting_at(Pose(0.0, 0.0, math.pi / 2), geometry=WheelGeometry(0.4, 0.1),
-                             timeout_ns=None), slip_variances=(1e-6, 1e-6))
+    north = Odometry.starting_at(
+        Pose(0.0, 0.0, math.pi / 2), geometry=WheelGeometry(0.4, 0.1), timeout_ns=None,
+        slip_variances=(1e-6, 1e-6))
     covariance = fed(north, [WheelSample(0, (10.0, 10.0))]).covariance_at(4 * S)
     assert covariance.xx == pytest.approx(2e-6 * 4.0**3 / (3.0 * 0.4**2), rel=1e-12)
     assert covariance.yy == pytest.approx(1e-6 * 4.0 / 2.0, rel=1e-12)

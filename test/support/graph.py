@@ -109,7 +109,8 @@ class Graph:
         self._environment.setdefault('ROS_LOG_DIR', tempfile.gettempdir())
         self.context = rclpy.Context()
         rclpy.init(context=self.context, domain_id=int(domain))
-        self.node = rclpy.create_node('test', context=self.context)
+        self.node = rclpy.create_node(
+            'test', context=self.context, start_parameter_services=False)
         self.executor = SingleThreadedExecutor(context=self.context)
         self.executor.add_node(self.node)
         self.processes = []

@@ -26,6 +26,7 @@ from diffdrive_kinematics.nodes.traffic import Traffic
 from domain_coordinator import domain_id
 from graph import arguments
 import rclpy
+from rclpy.serialization import deserialize_message, serialize_message
 from rclpy.signals import SignalHandlerOptions
 
 START_NS = 1000 * 10**9
@@ -41,7 +42,7 @@ class Inside:
         self.node = make(name, **shared) if name else make(**shared)
         self.said = {}
         self._heard = {
-            subscription.topic_name: subscription.callback
+            subscription.topic_name: subscription
             for subscription in self.node.subscriptions}
         for publisher in self.node.publishers:
             self._listen(publisher)
@@ -50,14 +51,17 @@ class Inside:
         said, publish = self.said.setdefault(publisher.topic_name, []), publisher.publish
 
         def keeping(message):
-            said.append(message)
+            said.append(
+                deserialize_message(message, publisher.msg_type)
+                if isinstance(message, bytes) else message)
             publish(message)
 
         publisher.publish = keeping
 
     def hear(self, topic, message):
         """Give the node a message, as its executor would."""
-        self._heard[topic](message)
+        subscription = self._heard[topic]
+        subscription.callback(serialize_message(message) if subscription.raw else message)
 
     def advance_to(self, time_ns):
         """Set the time, and fire what is due once."""

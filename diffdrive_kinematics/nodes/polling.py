@@ -1,0 +1,65 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Messages that are looked at when a timer fires, so that none of them wakes the process."""
+
+from typing import Any, Callable, Optional, TYPE_CHECKING
+
+from rclpy.subscription import Subscription
+
+if TYPE_CHECKING:
+    from diffdrive_kinematics.nodes.node import DiffDriveNode
+
+__all__ = ['Poll', 'QUEUE_DEPTH']
+
+LEAST_RATE = 20.0  # [Hz]
+QUEUE_DEPTH = 100  # at LEAST_RATE: 2000 messages a second
+
+
+class Poll:
+    """
+    What has come on a topic since it was looked at last.
+
+    Parameters
+    ----------
+    node : DiffDriveNode
+        It makes a timer where nobody looks as often as the queue needs.
+    callback :
+        Gets a serialised message, and the time [ns] on the system's clock at which it came, or 0
+        where that is unknown.
+    subscription : Subscription, optional
+        One that no executor looks after; without it there is nothing to look at.
+
+    """
+
+    def __init__(
+            self, node: 'DiffDriveNode[Any]', callback: Callable[[bytes, int], None],
+            subscription: Optional[Subscription] = None) -> None:
+        self._node, self._callback, self._subscription = node, callback, subscription
+        self._timer: Any = None
+
+    def take(self) -> None:
+        """Hand on what has come."""
+        if self._subscription is None:
+            return
+        take, kind = self._subscription.handle.take_message, self._subscription.msg_type
+        while taken := take(kind, True):
+            self._callback(taken[0], taken[1]['received_timestamp'])
+
+    def promise(self, rate: float) -> None:
+        """Be told the rate [Hz] at which ``take`` is called from now on."""
+        if self._timer:
+            self._node.stop_timer(self._timer)
+        needed = self._subscription is not None and rate < LEAST_RATE
+        self._timer = self._node.every(LEAST_RATE, self.take) if needed else None

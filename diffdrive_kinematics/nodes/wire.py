@@ -1,0 +1,164 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""
+Where the fields of a message stand in its serialised form.
+
+To make, fill and serialise a message object costs a Python node more than its arithmetic.  So
+what is sent often is kept as bytes whose changing numbers are overwritten in place, and what is
+heard often is read by one ``struct`` that is made once for each shape of message.
+
+The form is the OMG's CDR ("DDS Interoperability Wire Protocol", 2.5, 10.2): a header of four
+bytes, then one field after the other, each aligned to its own size counted from the header's end.
+Bytes that only align mean nothing, and rclpy leaves in them what was in memory.
+"""
+
+import struct
+import sys
+from typing import Any, Optional, Sequence, Tuple
+
+from sensor_msgs.msg import JointState
+
+__all__ = ['JointStateLayout', 'Layout', 'Template', 'read_stamped_twist', 'read_twist']
+
+HEADER = bytes((0, sys.byteorder == 'little', 0, 0))
+STAMP_AT = len(HEADER)
+NANOSECONDS = 1_000_000_000
+TWIST_DOUBLES = 6
+_pack_stamp = struct.Struct('=iI').pack_into
+_read_twist = struct.Struct('=d32xd').unpack_from  # linear.x and angular.z
+_read_stamp_and_length = struct.Struct('=iII').unpack_from
+
+
+class Layout:
+    """The format, for ``struct``, of a message whose fields are named one after the other."""
+
+    def __init__(self) -> None:
+        self.format = f'={len(HEADER)}s'
+        self.values: 'list[Any]' = [HEADER]
+        self.size = len(HEADER)
+
+    def numbers(self, code: str, values: Sequence[float]) -> int:
+        """Append numbers of one type (a code of ``struct``); return where the first one is."""
+        if not values:
+            return self.size  # nothing is aligned where nothing stands
+        size = struct.calcsize(f'={code}')
+        padding = (len(HEADER) - self.size) % size
+        self.format += f'{padding}x{len(values)}{code}'
+        self.values += values
+        self.size += padding + size * len(values)
+        return self.size - size * len(values)
+
+    def text(self, text: str) -> None:
+        """Append a string."""
+        encoded = text.encode() + b'\0'
+        self.numbers('I', [len(encoded)])
+        self.format += f'{len(encoded)}s'
+        self.values.append(encoded)
+        self.size += len(encoded)
+
+    def header(self, frame_id: str) -> int:
+        """Append a std_msgs/Header with a stamp of zero; return where the stamp is."""
+        at = self.numbers('i', [0])
+        self.numbers('I', [0])
+        self.text(frame_id)
+        return at
+
+    def sequence(self, code: str, values: Sequence[float]) -> int:
+        """Append a sequence of numbers; return where the first one is."""
+        self.numbers('I', [len(values)])
+        return self.numbers(code, values)
+
+
+class Template:
+    """A serialised message whose numbers can be overwritten."""
+
+    def __init__(self, layout: Layout) -> None:
+        self._data = bytearray(struct.pack(layout.format, *layout.values))
+
+    def doubles(self, first: int, count: int) -> 'memoryview[float]':
+        """Return doubles of the message, the first one at ``first``, to be written to."""
+        return memoryview(self._data)[first:first + 8 * count].cast('d')
+
+    def stamp(self, time_ns: int, at: int = STAMP_AT) -> None:
+        """Write a stamp, by default that of the header with which the message begins."""
+        _pack_stamp(self._data, at, time_ns // NANOSECONDS, time_ns % NANOSECONDS)
+
+    def message(self) -> bytes:
+        """Return what is to be published."""
+        return bytes(self._data)
+
+
+class JointStateLayout:
+    """
+    Reads JointState messages that differ only in their stamp and numbers from one of them.
+
+    ``names`` and ``frame_id`` are those of the message that it was made for.
+    """
+
+    def __init__(self, message: JointState) -> None:
+        self.frame_id, self.names = message.header.frame_id, tuple(message.name)
+        layout = Layout()
+        layout.header(self.frame_id)
+        layout.numbers('I', [len(self.names)])
+        for name in self.names:
+            layout.text(name)
+        self._counts = len(message.position), len(message.velocity), len(message.effort)
+        n_position, n_velocity, n_effort = self._counts
+        at_position = len(layout.values) + 1
+        for numbers in (message.position, message.velocity, message.effort):
+            layout.sequence('d', numbers)
+        self._unpack = struct.Struct(layout.format).unpack_from
+        self._size = layout.size
+        self._known = tuple(layout.values[3:at_position])
+        self._texts = slice(3, at_position)
+        self._position = slice(at_position, at_position + n_position)
+        at_velocity = at_position + n_position + 1
+        self._velocity = slice(at_velocity, at_velocity + n_velocity)
+        self._velocity_count = at_velocity - 1
+        self._effort_count = at_velocity + n_velocity
+
+    def read(self, data: bytes) -> Optional[Tuple[int, int, Tuple[float, ...], Tuple[float, ...]]]:
+        """
+        Return (sec, nanosec, position, velocity) of a serialised message.
+
+        None: it is of another layout.
+        """
+        if len(data) < self._size:
+            return None
+        fields = self._unpack(data)
+        if (fields[0] != HEADER or fields[self._texts] != self._known
+                or fields[self._velocity_count] != self._counts[1]
+                or fields[self._effort_count] != self._counts[2]):
+            return None
+        return fields[1], fields[2], fields[self._position], fields[self._velocity]
+
+
+def read_twist(data: bytes) -> Optional[Tuple[float, float]]:
+    """Return (linear.x, angular.z) of a serialised Twist; None: it is in another form."""
+    if data[:STAMP_AT] != HEADER or len(data) < STAMP_AT + 8 * TWIST_DOUBLES:
+        return None
+    return _read_twist(data, STAMP_AT)
+
+
+def read_stamped_twist(data: bytes) -> Optional[Tuple[int, int, float, float]]:
+    """Return (sec, nanosec, linear.x, angular.z) of a TwistStamped; None: in another form."""
+    if data[:STAMP_AT] != HEADER or len(data) < STAMP_AT + 12:
+        return None
+    sec, nanosec, length = _read_stamp_and_length(data, STAMP_AT)
+    after = STAMP_AT + 12 + length
+    first = after + (STAMP_AT - after) % 8
+    if len(data) < first + 8 * TWIST_DOUBLES:
+        return None
+    return (sec, nanosec, *_read_twist(data, first))

@@ -1,0 +1,233 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Bytes that the package writes and reads, compared with what rclpy makes of message objects."""
+
+import math
+import struct
+
+from diffdrive_kinematics.core.arc import Pose
+from diffdrive_kinematics.core.encoders import Encoder
+from diffdrive_kinematics.core.odometry import BaseReading
+from diffdrive_kinematics.nodes.messages import (
+    command_in, OdometryMessage, quaternion_of, set_stamp, TwistMessage)
+from diffdrive_kinematics.nodes.tf import TransformMessage
+from diffdrive_kinematics.nodes.wheel_joints import WheelJoints
+from diffdrive_kinematics.nodes.wheel_messages import WheelMessage, WheelReader
+from diffdrive_kinematics.nodes.wire import Layout
+from geometry_msgs.msg import TransformStamped, Twist, TwistStamped
+from hypothesis import given, settings, strategies as st
+from nav_msgs.msg import Odometry
+import pytest
+from rclpy.impl.implementation_singleton import rclpy_implementation
+from rclpy.serialization import deserialize_message, serialize_message
+from sensor_msgs.msg import JointState
+
+NAMES = st.text(st.characters(codec='utf-8', exclude_characters='\0'), max_size=12)
+JOINTS = st.lists(NAMES, min_size=2, max_size=7, unique=True)
+NUMBERS = st.floats(-1e12, 1e12)
+PAIRS = st.tuples(NUMBERS, NUMBERS)
+STAMPS = st.integers(0, (2**31 - 1) * 10**9 - 1)
+POSES = st.builds(Pose, NUMBERS, NUMBERS, st.floats(-math.pi, math.pi))
+
+
+def significant(layout, data):
+    """Return all bytes that mean something: padding is what ``struct`` skips."""
+    return struct.unpack_from(layout.format, data)
+
+
+def assert_same_bytes(layout, ours, message):
+    """Compare every byte but those that only align; those rclpy leaves as they were."""
+    theirs = bytes(serialize_message(message))
+    assert layout.size == len(ours) <= len(theirs)
+    assert [struct.pack('=d', value) if isinstance(value, float) else value
+            for value in significant(layout, ours)] == [
+        struct.pack('=d', value) if isinstance(value, float) else value
+        for value in significant(layout, theirs)]
+    assert deserialize_message(ours, type(message)) == message
+
+
+def joint_state_layout(message):
+    layout = Layout()
+    layout.header(message.header.frame_id)
+    layout.numbers('I', [len(message.name)])
+    for name in message.name:
+        layout.text(name)
+    for numbers in (message.position, message.velocity, message.effort):
+        layout.sequence('d', numbers)
+    return layout
+
+
+@settings(max_examples=300)
+@given(frame=NAMES, child=NAMES, stamp=STAMPS, pose=POSES, twist=PAIRS, covariance=st.tuples(
+    *[NUMBERS] * 6), twist_covariance=st.tuples(*[NUMBERS] * 3), floor=NUMBERS)
+def test_odometry(frame, child, stamp, pose, twist, covariance, twist_covariance, floor):
+    message = Odometry(child_frame_id=child)
+    message.header.frame_id = frame
+    set_stamp(message.header.stamp, stamp)
+    position, orientation = message.pose.pose.position, message.pose.pose.orientation
+    position.x, position.y = pose.x, pose.y
+    orientation.z, orientation.w = quaternion_of(pose.theta)
+    message.twist.twist.linear.x, message.twist.twist.angular.z = twist
+    pose_matrix = message.pose.covariance.reshape(6, 6)
+    pose_matrix[[2, 3, 4], [2, 3, 4]] = [3.0, 4.0, 5.0]
+    xx, xy, xt, yy, yt, tt = covariance
+    for (row, column), value in {
+            (0, 0): xx + floor, (0, 1): xy, (0, 5): xt, (1, 1): yy + floor, (1, 5): yt,
+            (5, 5): tt + floor}.items():
+        pose_matrix[row, column] = pose_matrix[column, row] = value
+    twist_matrix = message.twist.covariance.reshape(6, 6)
+    twist_matrix[[1, 2, 3, 4], [1, 2, 3, 4]] = [8.0, 9.0, 10.0, 11.0]
+    vv, vw, ww = twist_covariance
+    for (row, column), value in {(0, 0): vv, (0, 5): vw, (5, 5): ww}.items():
+        twist_matrix[row, column] = twist_matrix[column, row] = value
+    ours = OdometryMessage(frame, child)
+    ours.set_diagonals([1.0, 2.0, 3.0, 4.0, 5.0, 6.0], [7.0, 8.0, 9.0, 10.0, 11.0, 12.0])
+    ours.set_pose_covariance(covariance, floor)
+    ours.set_twist_covariance(twist_covariance)
+    layout = Layout()
+    layout.header(frame)
+    layout.text(child)
+    layout.numbers('d', [0.0] * 85)
+    assert_same_bytes(
+        layout, ours.filled(stamp, BaseReading(pose, twist, (0.0, 0.0), (0.0, 0.0))), message)
+
+
+@settings(max_examples=300)
+@given(source=NAMES, names=JOINTS, split=st.integers(1, 6), inverted=st.tuples(
+    st.booleans(), st.booleans()), samples=st.lists(st.tuples(
+        STAMPS, st.none() | PAIRS, st.none() | PAIRS), min_size=1, max_size=4))
+def test_joint_states(source, names, split, inverted, samples):
+    split = min(split, len(names) - 1)
+    joints = WheelJoints((tuple(names[:split]), tuple(names[split:])), inverted)
+    ours = WheelMessage(joints, source)
+    for stamp, rates, positions in samples:
+        message = JointState(
+            name=names, velocity=[] if rates is None else joints.spread(joints.signed(rates)),
+            position=[] if positions is None else joints.spread(joints.signed(positions)))
+        message.header.frame_id = source
+        set_stamp(message.header.stamp, stamp)
+        assert_same_bytes(
+            joint_state_layout(message), ours.filled(stamp, rates, positions), message)
+
+
+@given(frame=st.none() | NAMES, stamp=STAMPS, twist=PAIRS)
+def test_twists(frame, stamp, twist):
+    plain = Twist()
+    plain.linear.x, plain.angular.z = twist
+    layout = Layout()
+    message = plain
+    if frame is not None:
+        layout.header(frame)
+        message = TwistStamped(twist=plain)
+        message.header.frame_id = frame
+        set_stamp(message.header.stamp, stamp)
+    layout.numbers('d', [0.0] * 6)
+    ours = TwistMessage(frame).filled(stamp, *twist)
+    assert_same_bytes(layout, ours, message)
+    assert command_in(ours, frame is not None) == (0 if frame is None else stamp, *twist)
+
+
+@given(frame=NAMES, child=NAMES, stamp=STAMPS, pose=POSES)
+def test_a_transform(frame, child, stamp, pose):
+    message = TransformStamped(child_frame_id=child)
+    message.header.frame_id = frame
+    set_stamp(message.header.stamp, stamp)
+    message.transform.translation.x, message.transform.translation.y = pose.x, pose.y
+    message.transform.rotation.z, message.transform.rotation.w = quaternion_of(pose.theta)
+    ours = TransformMessage(frame, child).filled(stamp, pose)
+    assert ours[:8] == bytes(serialize_message(message))[:4] + struct.pack('=I', 1)
+    # a TFMessage is a count and the transforms; tf2_msgs may be missing here
+    layout, whole = Layout(), Layout()
+    for each in (layout, whole):
+        if each is whole:
+            each.numbers('I', [1])
+        each.header(frame)
+        each.text(child)
+        each.numbers('d', [0.0] * 7)
+    theirs = significant(layout, bytes(serialize_message(message)))
+    assert significant(whole, ours) == (theirs[0], 1, *theirs[1:])
+
+
+@given(st.data())
+def test_wheels_are_read_from_bytes_as_from_messages(data):
+    """Whatever comes, and whatever came before: by the object, or by a layout that is known."""
+    joints = WheelJoints((('a', 'b'), ('c',)), data.draw(st.tuples(st.booleans(), st.booleans())))
+    period = data.draw(st.sampled_from([0.0, 4.0]))
+    slow, fast = (WheelReader(joints, encoder_range=period) for _ in range(2))
+    odd = st.floats(width=64)
+    shapes = [JointState(
+        name=data.draw(st.sampled_from([
+            ['a', 'b', 'c'], ['c', 'x', 'b', 'a'], ['x', 'y', 'z'], ['a', 'b', 'd'], []])))
+        for _ in range(2)]
+    for _ in range(data.draw(st.integers(1, 6))):
+        message = data.draw(st.sampled_from(shapes))
+        set_stamp(message.header.stamp, data.draw(STAMPS))
+        message.header.frame_id = data.draw(st.sampled_from(['', 'p', 'qr']))
+        for field in ('position', 'velocity', 'effort'):
+            length = data.draw(st.sampled_from([0, len(message.name), 2]))
+            setattr(message, field, data.draw(
+                st.lists(NUMBERS | odd, min_size=length, max_size=length)))
+        outcomes = []
+        for reader, given_message in ((slow, message), (fast, bytes(serialize_message(message)))):
+            try:
+                outcomes.append(repr(reader.read(given_message, lambda: 77)))
+            except ValueError as error:
+                outcomes.append(str(error))
+        assert outcomes[0] == outcomes[1]
+
+
+def test_a_known_layout_is_read_without_an_object(monkeypatch):
+    """Else all of the above would pass by the slow way alone."""
+    joints = WheelJoints((('left',), ('right',)))
+    reader, messages = WheelReader(joints), WheelMessage(joints, 'me')
+    first = reader.read(messages.filled(1, (1.0, 2.0), (3.0, 4.0)), int)
+    monkeypatch.setattr(
+        'diffdrive_kinematics.nodes.wheel_messages.deserialize_message', pytest.fail)
+    second = reader.read(messages.filled(2, (5.0, 6.0), (7.0, 8.0)), int)
+    assert (first.rates, first.positions) == ((1.0, 2.0), (3.0, 4.0))
+    assert (second.stamp_ns, second.rates, second.positions, second.source) == (
+        2, (5.0, 6.0), (7.0, 8.0), 'me')
+
+
+def test_bytes_of_another_order_are_read_as_they_say():
+    """Big-endian CDR, as some machine on the network may send it."""
+    big = b'\0\0\0\0' + struct.pack('>6d', 1.0, 0.0, 0.0, 0.0, 0.0, 2.0)
+    assert command_in(big, stamped=False) == (0, 1.0, 2.0)
+    message = JointState(name=['left', 'right'], velocity=[3.0, 4.0])
+    message.header.stamp.sec = 1
+    layout = joint_state_layout(message)
+    layout.values[1] = message.header.stamp.sec
+    big = struct.pack('>' + layout.format[1:], b'\0\0\0\0', *layout.values[1:])
+    reader = WheelReader(WheelJoints((('left',), ('right',))))
+    little = reader.read(struct.pack(layout.format, *layout.values), int)
+    assert reader.read(big, int) == little
+    assert (little.stamp_ns, little.rates) == (10**9, (3.0, 4.0))
+
+
+@pytest.mark.parametrize('data', [
+    b'', b'\0\1\0\0', b'\0\1\0\0' + bytes(20), b'\0\1\0\0' + b'\xff' * 40])
+def test_bytes_that_are_no_message_are_refused(data):
+    joints = WheelJoints((('left',), ('right',)))
+    for read in (lambda: command_in(data, True), lambda: command_in(data[:20], False),
+                 lambda: WheelReader(joints).read(data, int)):
+        with pytest.raises((ValueError, rclpy_implementation.RMWError)):
+            read()
+
+
+def test_encoders_are_read_where_there_are_some():
+    joints = WheelJoints((('left',), ('right',)))
+    message = deserialize_message(WheelMessage(joints, '', Encoder(period=4.0)).filled(
+        0, (0.0, 0.0), (5.0, -5.0)), JointState)
+    assert list(message.position) == [1.0, -1.0]
