@@ -155,6 +155,8 @@ class Odometry(NamedTuple):
 
         """
         slip = _check_slip(self.slip_variances if slip_variances is None else slip_variances)
+        if self.motion is not None:
+            now_ns = reached(self.motion, now_ns, self.timeout_ns)
         if self.motion is None or not self.motion.holds or now_ns <= self.motion.anchor_ns:
             return self._replace(
                 geometry=geometry, timeout_ns=timeout_ns, slip_variances=slip)
@@ -185,7 +187,8 @@ class Odometry(NamedTuple):
             check_finite(f'{name} of the pose', float(value))
         angle, motion = (0.0, 0.0), self.motion
         if motion is not None:
-            time_ns = max(now_ns, motion.anchor_ns) if motion.holds else motion.anchor_ns
+            time_ns = max(reached(motion, now_ns, self.timeout_ns), motion.anchor_ns) \
+                if motion.holds else motion.anchor_ns
             angle = rolled(motion, time_ns, self.timeout_ns)
             motion = motion._replace(anchor_ns=time_ns, rates=(0.0, 0.0), reference=(
                 motion.reference[0] + angle[0], motion.reference[1] + angle[1]))
@@ -200,17 +203,27 @@ class Odometry(NamedTuple):
         """Return the odometry as it reads after the clock itself was stepped."""
         return self._replace(motion=self.motion and shifted(self.motion, step_ns))
 
-    def at(self, time_ns: int) -> BaseReading:
-        """Return the base at a time; before the anchor that is the base at the anchor."""
+    def at(self, time_ns: int, now_ns: Optional[int] = None) -> BaseReading:
+        """
+        Return the base at a time; before the anchor that is the base at the anchor.
+
+        ``now_ns`` is what the own clock shows, where the time is a past one.
+        """
         if self.motion is None:
             return BaseReading(self._pose(0.0, 0.0), (0.0, 0.0),
                                (self.left.value, self.right.value), (0.0, 0.0))
-        time_ns = reached(self.motion, time_ns, self.timeout_ns)
+        if now_ns is None or self.is_ahead(now_ns):
+            time_ns = reached(self.motion, time_ns, self.timeout_ns)
         left, right = rolled(self.motion, time_ns, self.timeout_ns)
         rates = rates_at(self.motion, time_ns, self.timeout_ns)
         return BaseReading(
             self._pose(left, right), twist_from_wheel_rates(self.geometry, *rates),
             (self.left.value_with(left), self.right.value_with(right)), rates)
+
+    def is_ahead(self, now_ns: int) -> bool:
+        """Return whether the clock of the wheels' publisher is ahead, and must be another one."""
+        return self.motion is not None and reached(
+            self.motion, now_ns, self.timeout_ns) != now_ns
 
     def covariance_at(self, time_ns: int) -> PoseCovariance:
         """

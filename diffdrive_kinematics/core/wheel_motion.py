@@ -27,8 +27,10 @@ never on when a sample happened to arrive or how often somebody looked.
   about the time since then, so a lost change of the rates costs one message's arc, no more.
 * A sample between the anchor and ``last_ns`` supersedes what followed it.
 * A sample without positions is the baseline, 0, from which the positions of its publisher
-  count.  The first sample ever heard, and the first of another source (a publisher that was
-  restarted, or a second one), is a baseline whatever it carries: up to it the rates are held.
+  count, where it says who it is; of an unknown one it is the first positions after it, up to
+  which the rates are held.  The first sample ever heard, and the first of another source (a
+  publisher that was restarted, or a second one), is a baseline whatever it carries: up to it
+  the rates are held.
   So is one whose positions would need a wheel rate above ``max_rate``: encoders that started
   again elsewhere.
 """
@@ -90,7 +92,8 @@ class WheelMotion(NamedTuple):
 
     ``holds`` is False where only positions are known: nothing is extrapolated from them, and
     ``rates`` is what the last increment amounts to.  ``reference`` is what the publisher's
-    positions [rad] are, or would be, at the anchor; ``source`` is that publisher.
+    positions [rad] are, or would be, at the anchor, where they are ``counted``; ``source`` is that
+    publisher.
     """
 
     anchor_ns: int
@@ -99,6 +102,7 @@ class WheelMotion(NamedTuple):
     reference: Pair
     holds: bool
     source: str = ''
+    counted: bool = True
 
 
 class Verdict(enum.Enum):
@@ -139,7 +143,8 @@ def first_motion(sample: WheelSample) -> WheelMotion:
     """Return the motion that starts with ``sample``: its positions are only a baseline."""
     return WheelMotion(
         sample.stamp_ns, sample.stamp_ns, sample.rates or ZERO, sample.positions or ZERO,
-        holds=sample.rates is not None, source=sample.source)
+        holds=sample.rates is not None, source=sample.source,
+        counted=bool(sample.positions or sample.source))
 
 
 def shifted(motion: WheelMotion, step_ns: int) -> WheelMotion:
@@ -202,13 +207,15 @@ def receive(
         sample = replace(sample, stamp_ns=stamp)
     held = rolled(motion, stamp, timeout_ns)
     same_source = sample.source == motion.source
-    counts = same_source and sample.positions is not None
+    counts = same_source and sample.positions is not None and motion.counted
     travelled = _increment(motion, sample) if counts else held
     if counts and _jumps(motion, travelled, stamp, max_rate):
         return Received(first_motion(sample), held, Verdict.JUMPED)
+    begins = sample.positions is not None and not motion.counted
     as_held = not counts or _same(held, travelled, motion, sample)
     silent = timeout_ns is not None and stamp > motion.last_ns + timeout_ns
-    if sample.rates == motion.rates and motion.holds and not silent and same_source and as_held:
+    if (sample.rates == motion.rates and motion.holds and same_source and as_held
+            and not silent and not begins):
         if stamp < motion.last_ns - tolerance:
             return _stepped(motion, sample, timeout_ns)
         return Received(_renewed(motion, sample, held), ZERO, Verdict.REPEATED)
@@ -227,7 +234,8 @@ def _renewed(motion: WheelMotion, repeat: WheelSample, held: Pair) -> WheelMotio
     if repeat.stamp_ns < motion.last_ns:
         return motion
     reference = motion.reference if repeat.positions else (-held[0], -held[1])
-    return motion._replace(last_ns=repeat.stamp_ns, reference=reference)
+    return motion._replace(last_ns=repeat.stamp_ns, reference=reference,
+                           counted=bool(repeat.positions or repeat.source))
 
 
 def _stepped(

@@ -34,7 +34,7 @@ OK, WARN, ERROR, STALE = (
     DiagnosticStatus.OK, DiagnosticStatus.WARN, DiagnosticStatus.ERROR, DiagnosticStatus.STALE)
 SEVERITY = (OK, STALE, WARN, ERROR)
 ALARMS = {'refused': ERROR, 'timeouts': WARN, 'out of order': WARN,
-          'clock steps in stamps': WARN, 'clock steps': WARN}
+          'clock steps in stamps': WARN, 'clock steps': WARN, 'position jumps': WARN}
 SLOW = 0.8  # of the rate that is set
 FEWEST_TO_JUDGE = 5
 
@@ -77,6 +77,14 @@ class Heard:
         self.skew_ns = skew = now_ns - stamp_ns
         if abs(skew) > abs(self.largest_skew_ns):
             self.largest_skew_ns = skew
+
+    def clock_stepped(self, step_ns: int) -> None:
+        """Note that the clock by which messages came was stepped."""
+        self.last_ns += step_ns
+
+    def agrees_after(self, step_ns: int) -> bool:
+        """Return whether a step of the own clock is what the last stamp was off by."""
+        return abs(self.skew_ns + step_ns) < abs(self.skew_ns)
 
     def age(self, now_ns: int) -> Optional[float]:
         """Return the time [s] since the last message; None where there was none."""
@@ -138,6 +146,10 @@ class Reporter:
         rate = (sent - self._sent) / seconds if known else None
         self._look_ns, self._sent = now_ns, sent
         return Look(now_ns, rate, seconds)
+
+    def clock_stepped(self, step_ns: int) -> None:
+        """Note that the clock of the looks was stepped."""
+        self._look_ns += step_ns
 
     def report(self, now_ns: int, diagnosis: Diagnosis) -> None:
         """Publish a diagnosis; what was counted since the last one is trouble, too."""

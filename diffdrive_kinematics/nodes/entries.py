@@ -31,9 +31,9 @@ __all__ = [
     'check_description', 'check_diagonal', 'check_distribution', 'check_horizon',
     'check_joint_names', 'check_named', 'check_one_of', 'check_optional_picture',
     'check_optional_seed', 'check_optional_topic', 'check_picture', 'check_pose',
-    'check_positive_or_nan', 'check_rate_or_off', 'check_seed', 'check_slip_model',
-    'check_stages', 'check_step', 'check_topic', 'check_wheel_base', 'check_width', 'string',
-    'topic']
+    'check_positive_or_nan', 'check_range', 'check_rate_or_off', 'check_resolution', 'check_seed',
+    'check_slip_model', 'check_stages', 'check_step', 'check_topic', 'check_wheel_base',
+    'check_width', 'string', 'topic']
 
 Check = Callable[[str, Any], Any]
 MOST, MOST_STAGES = 100_000, 25
@@ -138,6 +138,16 @@ def check_width(name: str, value: float) -> None:
 def check_wheel_base(name: str, value: float) -> None:
     if not math.isnan(value):
         check_non_negative(name, value)
+
+
+def check_resolution(name: str, value: float) -> None:
+    if value and not 1e-3 <= value <= 1e9:
+        raise ValueError(f'{name} is {value!r}, expected 0, or from 1e-3 to 1e9 ticks a turn')
+
+
+def check_range(name: str, value: float) -> None:
+    if value and not 1e-6 <= value <= 1e12:
+        raise ValueError(f'{name} is {value!r}, expected 0, or a range from 1e-6 to 1e12 rad')
 
 
 def check_pose(name: str, value: Tuple[float, ...]) -> None:

@@ -102,6 +102,7 @@ class DiffDriveNode(Node, Generic[Config]):
         self._topics: Set[str] = set()
         self._qos_overrides = self._judged_overrides()
         self.heard, self.sent = Heard(), 0
+        self._reporter: Optional[Reporter] = None
         self.parameters: ParameterSet[Config] = ParameterSet(self, table, build)
         self._start_diagnostics(self.parameters.values.get('diagnostics_rate', 0.0))
 
@@ -119,6 +120,9 @@ class DiffDriveNode(Node, Generic[Config]):
         now_ns, step_ns = self._step_watch.now_and_step()
         if step_ns:
             self.counts['clock steps'] += 1
+            self.heard.clock_stepped(step_ns)
+            if self._reporter:
+                self._reporter.clock_stepped(step_ns)
             self.get_logger().warning(f'the clock was stepped by {step_ns / 1e9:.3f} s')
         return now_ns, step_ns
 

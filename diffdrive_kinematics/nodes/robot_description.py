@@ -24,6 +24,7 @@ from diffdrive_kinematics.nodes.qos import latched
 from diffdrive_kinematics.nodes.running import main_of
 from diffdrive_kinematics.nodes.tables import ROBOT_DESCRIPTION
 from diffdrive_kinematics.nodes.urdf import default_wheel_base, Shape, urdf_of
+from diffdrive_kinematics.nodes.wheel_joints import wheel_joints
 from std_msgs.msg import String
 
 WIDTH = 0.5  # of a wheel whose width is not set, in radii
@@ -41,14 +42,14 @@ def build(values: Mapping[str, Any]) -> Config:
     """Return the configuration of parameter values, or raise ``ValueError``."""
     check_sides(values)
     geometry = wheel_geometry(values)
-    sides = values['left_wheel_names'], values['right_wheel_names']
+    joints = wheel_joints(values)
     wheel_base, width = values['wheel_base'], values['wheel_width']
     if math.isnan(wheel_base):
-        wheel_base = default_wheel_base(geometry, max(map(len, sides)))
+        wheel_base = default_wheel_base(geometry, max(map(len, joints.names)))
     if math.isnan(width):
         width = WIDTH * min(geometry.left_radius, geometry.right_radius)
     return Config(urdf_of(
-        geometry, *sides, name=values['robot_name'], base=values['base_frame_id'],
+        geometry, joints, name=values['robot_name'], base=values['base_frame_id'],
         shape=Shape(wheel_base, width)), values)
 
 

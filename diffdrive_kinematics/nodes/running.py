@@ -28,6 +28,7 @@ from typing import Callable, Iterable, List, Optional
 from diffdrive_kinematics.nodes.clocks import SteadyTimers
 from diffdrive_kinematics.nodes.node import DiffDriveNode
 from diffdrive_kinematics.nodes.parameters import ConfigurationError
+from diffdrive_kinematics.nodes.waking import Awake
 import rclpy
 from rclpy.exceptions import NameValidationException
 from rclpy.executors import Executor, ExternalShutdownException, SingleThreadedExecutor
@@ -89,9 +90,10 @@ def spin(
     """Spin, and fire timers, until finished or asked to stop."""
     gc.freeze()  # what start-up made stays: nothing is gained by looking at it again and again
     spin_once, seconds_left, fire_due = executor.spin_once, timers.seconds_left, timers.fire_due
-    while not stop and not finished():
-        spin_once(timeout_sec=seconds_left(SPIN_TIMEOUT_S))
-        fire_due()
+    with Awake(executor):
+        while not stop and not finished():
+            spin_once(timeout_sec=seconds_left(SPIN_TIMEOUT_S))
+            fire_due()
 
 
 def run(work: Callable[[Stop], int], args: Optional[List[str]] = None) -> int:

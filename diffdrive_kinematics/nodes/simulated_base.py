@@ -26,7 +26,7 @@ from diffdrive_kinematics.core.distributions import sample_heading
 from diffdrive_kinematics.core.encoders import Encoder
 from diffdrive_kinematics.core.frames import composed, inverted, OdometryHistory
 from diffdrive_kinematics.core.geometry import WheelGeometry
-from diffdrive_kinematics.core.wheel_motion import Pair, timeout_from_seconds
+from diffdrive_kinematics.core.wheel_motion import Pair, timeout_from_seconds, Verdict
 from diffdrive_kinematics.nodes.diagnostics import (
     Diagnosis, heard_values, Look, silence, slowness, stamp_values)
 from diffdrive_kinematics.nodes.from_values import check_sides, check_wiring, wheel_geometry
@@ -67,6 +67,10 @@ def build(values: Mapping[str, Any]) -> Config:
             'enable_odom_tf and publish_map_odom_tf are both true, expected enable_odom_tf to be '
             'false: a frame has one parent, and that of base_frame_id is the frame of '
             "belief_topic's odometry")
+    if values['odom_frame_id'] == values['base_frame_id']:
+        raise ValueError(
+            f"odom_frame_id and base_frame_id are both {values['odom_frame_id']!r}, expected "
+            'different frames')
     slips = values['left_slip_variance'], values['right_slip_variance']
     return Config(
         wheel_geometry(values), timeout_from_seconds(values['command_timeout']),
@@ -164,12 +168,14 @@ class SimulatedBase(DiffDriveNode[Config]):
                 f'frame_id is {belief.header.frame_id!r}, expected another frame than {own!r}')
         stamp = belief.header.stamp
         check_stamp(stamp.sec, stamp.nanosec)
+        stamp_ns = nanoseconds(stamp)
+        if not stamp_ns:
+            raise ValueError('stamp is 0, expected the time of the pose')
         believed = pose_in_plane(belief.pose.pose)
-        self._updated_now()
+        now_ns = self._updated_now()
         if self._odometry.motion is None:
             return
-        stamp_ns = nanoseconds(stamp)
-        truth = self._history.pose_at(stamp_ns)
+        truth = self._history.pose_at(stamp_ns, now_ns)
         self._map_odom.publish(
             stamp_ns, (own, belief.header.frame_id), composed(truth, inverted(believed)))
 
@@ -227,6 +233,7 @@ class SimulatedBase(DiffDriveNode[Config]):
         return Diagnosis({
             **heard_values(self.heard, look.now_ns, 'wheel motion'),
             'achieved odometry rate [Hz]': look.rate, **stamp_values(self.counts),
+            'position jumps': self.counts[Verdict.JUMPED.value],
             'last now - stamp [s]': self.heard.skew_ns / 1e9,
             'largest now - stamp [s]': self.heard.largest_skew_ns / 1e9}, [
                 *silence(self.heard, look.now_ns, values['command_timeout'],
@@ -240,7 +247,7 @@ class SimulatedBase(DiffDriveNode[Config]):
 
     def _synchronised_now(self) -> int:
         now_ns, step_ns = self.now_and_step()
-        if step_ns:
+        if step_ns and not self.heard.agrees_after(step_ns):  # else the stamps were stepped before
             self._odometry = self._odometry.clock_stepped(step_ns)
             self._history = OdometryHistory((self._odometry,))
         return now_ns

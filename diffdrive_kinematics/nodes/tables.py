@@ -30,8 +30,9 @@ from diffdrive_kinematics.nodes.entries import (
     check_bias, check_concentration, check_count, check_description, check_diagonal,
     check_distribution, check_horizon, check_joint_names, check_named, check_one_of,
     check_optional_picture, check_optional_seed, check_picture, check_pose,
-    check_positive_or_nan, check_rate_or_off, check_seed, check_slip_model, check_stages,
-    check_step, check_wheel_base, check_width, Entry, Kind, string, topic)
+    check_positive_or_nan, check_range, check_rate_or_off, check_resolution, check_seed,
+    check_slip_model, check_stages, check_step, check_wheel_base, check_width, Entry, Kind, string,
+    topic)
 
 __all__ = [
     'CALIBRATE', 'COMMAND_SEQUENCE', 'DIFFDRIVE_SIM', 'DIFF_DRIVE_CONTROLLER',
@@ -58,7 +59,7 @@ _JOINTS = (
 _ENCODER_RANGE = Entry(
     'encoder_range', 0.0, 'at which positions of the joints wrap around [rad]; what comes in '
     'counts modulo it, up to half a range a message; 0: they do not wrap',
-    check=check_non_negative, read_only=True)
+    check=check_range, read_only=True)
 _RADII = (
     Entry('wheel_radius', math.nan, 'radius R of the wheels [m], above 0', check=check_positive,
           required=True),
@@ -181,7 +182,7 @@ SIMULATED_BASE = (
             'joint states out wrap into [-range/2, range/2), and what comes in counts modulo it, '
             'up to half a range a message; 0: they do not wrap'),
     Entry('encoder_resolution', 0.0, 'ticks a turn of the wheel in the positions of joint states '
-          'out; 0: ideal', check=check_non_negative, read_only=True),
+          'out; 0: ideal', check=check_resolution, read_only=True),
     Entry('max_encoder_rate', math.nan, 'wheel rate [rad/s], well above what the wheels can do: '
           'positions that went faster between two messages count anew, as encoders that started '
           'again elsewhere do; NaN: none', check=check_positive_or_nan),

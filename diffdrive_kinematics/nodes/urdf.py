@@ -16,13 +16,15 @@ A differential-drive robot as URDF: a box on wheels that turn, from the geometry
 
 The base link is on the ground between the wheels, where odometry has it (REP-103: x forward, y
 left, z up).  A wheel's joint has the radius as its height and y as its axis, so that a positive
-angle rolls forward.  The shapes are for looking at; there are no masses.
+angle rolls forward; an inverted joint has the opposite axis, as it tells the opposite angle.  The
+shapes are for looking at; there are no masses.
 """
 
-from typing import List, NamedTuple, Sequence, Tuple
+from typing import List, NamedTuple, Tuple
 from xml.etree import ElementTree
 
 from diffdrive_kinematics.core.geometry import WheelGeometry
+from diffdrive_kinematics.nodes.wheel_joints import WheelJoints
 
 __all__ = ['Shape', 'default_wheel_base', 'urdf_of']
 
@@ -39,16 +41,17 @@ class Shape(NamedTuple):
 
 
 class Wheel(NamedTuple):
-    """Joint of a wheel, its link, its centre [m] and its radius [m]."""
+    """Joint of a wheel and whether it is inverted, its link, centre [m] and radius [m]."""
 
     joint: str
+    inverted: bool
     link: str
     centre: Tuple[float, float, float]
     radius: float
 
 
 def urdf_of(
-        geometry: WheelGeometry, left_names: Sequence[str], right_names: Sequence[str], *,
+        geometry: WheelGeometry, joints: WheelJoints, *,
         name: str, base: str, shape: Shape) -> str:
     """
     Return the URDF of a robot.
@@ -57,8 +60,8 @@ def urdf_of(
     ----------
     geometry : WheelGeometry
         Its effective radii and separation count.
-    left_names, right_names : sequence of str
-        Joints of the wheels of each side, from front to rear.
+    joints : WheelJoints
+        Of the wheels of each side, from front to rear.
     name, base : str
         Of the robot, and of its base link; links of the wheels have what precedes the last '/'
         of the base link's name, as frames of one robot of several do.
@@ -75,11 +78,13 @@ def urdf_of(
     _add_body(ElementTree.SubElement(robot, 'link', name=base), geometry, shape)
     half = 0.5 * geometry.separation
     prefix = base[:base.rfind('/') + 1]
-    for names, y, radius in (
-            (left_names, half, geometry.left_radius), (right_names, -half, geometry.right_radius)):
+    for names, inverted, y, radius in zip(
+            joints.names, joints.inverted, (half, -half),
+            (geometry.left_radius, geometry.right_radius)):
         for joint, x in zip(names, _spread(len(names), shape.wheel_base)):
             link = f"{prefix}{joint.rpartition('/')[2]}_link"
-            _add_wheel(robot, base, Wheel(joint, link, (x, y, radius), radius), shape.wheel_width)
+            wheel = Wheel(joint, inverted, link, (x, y, radius), radius)
+            _add_wheel(robot, base, wheel, shape.wheel_width)
     ElementTree.indent(robot)
     return ElementTree.tostring(robot, encoding='unicode', xml_declaration=False) + '\n'
 
@@ -109,7 +114,7 @@ def _add_wheel(
     ElementTree.SubElement(joint, 'parent', link=base)
     ElementTree.SubElement(joint, 'child', link=wheel.link)
     ElementTree.SubElement(joint, 'origin', xyz=_numbers(*wheel.centre), rpy='0 0 0')
-    ElementTree.SubElement(joint, 'axis', xyz='0 1 0')
+    ElementTree.SubElement(joint, 'axis', xyz='0 -1 0' if wheel.inverted else '0 1 0')
     link = ElementTree.SubElement(robot, 'link', name=wheel.link)
     _add_visual(link, 'tyre', TYRE, '0 0 0', UPRIGHT, 'cylinder',
                 radius=_numbers(wheel.radius), length=_numbers(width))

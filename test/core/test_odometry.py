@@ -224,6 +224,27 @@ def test_the_first_sample_moves_nothing_whatever_its_positions():
     assert odometry.at(5 * S).angles == STILL
 
 
+@LAW
+@given(schedules, st.sets(st.integers(0, 11)), st.tuples(
+    st.floats(-1e4, 1e4), st.floats(-1e4, 1e4)))
+def test_an_unknown_driver_that_lacks_its_positions_now_and_then_causes_no_jump(
+        samples, lacking, offset):
+    """Compare with the rates alone, which are what its encoders say: they count from anywhere."""
+    full = [replace(sample, positions=(
+        sample.positions[0] + offset[0], sample.positions[1] + offset[1]))
+        for sample in with_positions(samples)]
+    told = [replace(sample, positions=None) if number in lacking else sample
+            for number, sample in enumerate(full)]
+    end = samples[-1].stamp_ns + 50 * MS
+    assert_same_reading(fed(START, told).at(end), fed(START, samples).at(end), 1e-7)
+
+
+def test_what_a_known_publisher_rolled_since_its_first_message_counts():
+    first = WheelSample(0, STILL, source='driver#1')
+    second = WheelSample(20 * MS, STILL, (0.3, 0.4), source='driver#1')
+    assert fed(START, [first, second]).at(20 * MS).angles == (0.3, 0.4)
+
+
 def test_before_the_first_sample_the_base_stands_at_its_start():
     reading = START.at(7 * S)
     assert reading == (Pose(1.0, -2.0, 3.0), STILL, STILL, STILL)
@@ -411,6 +432,15 @@ def test_a_message_that_was_on_its_way_while_the_base_was_put_elsewhere_is_no_ju
         expected / GEOMETRY.separation, abs=1e-12)
 
 
+def test_a_base_that_is_put_elsewhere_by_a_clock_a_little_behind_forgets_no_stamp():
+    """Guard an old message, heard a second time, that was taken for motion backward."""
+    samples = with_positions([WheelSample(number * 100 * MS, (number, number)) for number in (
+        1, 2, 3)])
+    odometry = fed(START, samples).placed_at(Pose(0.0, 0.0, 0.0), NO_COVARIANCE, 150 * MS)
+    again, verdict = odometry.received(samples[1], 160 * MS)
+    assert verdict is Verdict.OUT_OF_ORDER and again.at(S).pose == Pose(0.0, 0.0, 0.0)
+
+
 @pytest.mark.parametrize('pose', [
     Pose(math.nan, 0.0, 0.0), Pose(0.0, math.inf, 0.0), Pose(0.0, 0.0, -math.inf)])
 def test_a_base_is_put_nowhere_that_is_not_finite(pose):
@@ -430,6 +460,36 @@ def test_a_publisher_whose_clock_steps_for_good_goes_on_moving_the_base(step_s):
         way.append(odometry.at(now_ns).angles[0])
     assert way[-1] - way[100] == pytest.approx(99 * 0.06, abs=1e-9)
     assert max(b - a for a, b in zip(way, way[1:])) < 0.5 * 3.0 + 0.061
+
+
+def ahead(seconds):
+    """Return a base whose publisher's clock is ahead, having driven at one speed, and the time."""
+    odometry, now_ns = START, NOW
+    for number in range(100):
+        now_ns = NOW + number * 20 * MS
+        odometry, _ = odometry.received(WheelSample(
+            now_ns + seconds * S, (3.0, 3.0), (0.06 * number, 0.06 * number)), now_ns)
+    return odometry, now_ns
+
+
+@pytest.mark.parametrize('seconds', [0, 2, 3600])
+def test_a_base_is_put_elsewhere_without_a_jump_however_far_ahead_the_publishers_clock_is(seconds):
+    odometry, now_ns = ahead(seconds)
+    placed = odometry.placed_at(Pose(0.0, 0.0, 0.0), NO_COVARIANCE, now_ns)
+    assert placed.at(now_ns).angles == odometry.at(now_ns).angles
+    moved, _ = placed.received(WheelSample(
+        now_ns + seconds * S + 20 * MS, (3.0, 3.0), (6.0, 6.0)), now_ns + 20 * MS)
+    assert moved.at(now_ns + 20 * MS).angles == pytest.approx((6.0, 6.0), abs=1e-12)
+    distance, _ = twist_from_wheel_rates(GEOMETRY, 0.06, 0.06)
+    pose = moved.at(now_ns + 20 * MS).pose
+    assert math.hypot(pose.x, pose.y) == pytest.approx(distance, rel=1e-3)
+
+
+@pytest.mark.parametrize('seconds', [0, 2, 3600])
+def test_what_was_driven_stays_driven_however_far_ahead_the_publishers_clock_is(seconds):
+    odometry, now_ns = ahead(seconds)
+    changed = odometry.configured(OTHER, T, now_ns)
+    assert_same_reading(changed.at(now_ns), odometry.at(now_ns))
 
 
 @LAW

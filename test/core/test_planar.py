@@ -40,6 +40,22 @@ def test_the_yaw_of_a_turn_about_z_is_its_angle_whatever_small_error_its_length_
     assert math.remainder(found - yaw, math.tau) == pytest.approx(0.0, abs=1e-15 * 8)
 
 
+@given(*3 * [st.floats(-1.5, 1.5)])
+def test_the_yaw_of_a_robot_that_is_not_level_is_the_direction_of_its_nose(yaw, pitch, roll):
+    """Build the quaternion of yaw, pitch and roll, one after the other, from its definition."""
+    (sy, cy), (sp, cp), (sr, cr) = (
+        (math.sin(0.5 * angle), math.cos(0.5 * angle)) for angle in (yaw, pitch, roll))
+    quaternion = (cy * cp * sr - sy * sp * cr, cy * sp * cr + sy * cp * sr,
+                  sy * cp * cr - cy * sp * sr, cy * cp * cr + sy * sp * sr)
+    assert yaw_from_quaternion(quaternion) == pytest.approx(yaw, abs=1e-9)
+
+
+def test_a_covariance_that_is_symmetric_but_for_rounding_is_made_so():
+    block = np.eye(3)
+    block[0, 1], block[1, 0] = 0.5, 0.5 + 2e-9
+    assert planar_covariance(spatial(block)).xy == pytest.approx(0.5 + 1e-9, abs=1e-15)
+
+
 def test_both_signs_of_a_quaternion_are_one_rotation():
     assert yaw_from_quaternion((-0.0, 0.0, -math.sin(0.5), -math.cos(0.5))) == pytest.approx(1.0)
 
@@ -80,7 +96,9 @@ def test_every_covariance_is_taken_whatever_its_units(numbers, exponents):
     np.diag([-1.0, 1.0, 1.0]), np.diag([1.0, 1.0, -1e-9]),
     [[1.0, 2.0, 0.0], [2.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
     [[1.0, 0.0, 0.002], [0.0, 1.0, 0.0], [0.002, 0.0, 1e-6]],
+    [[1.0, 0.0, 0.0011], [0.0, 1.0, 0.0], [0.0011, 0.0, 1e-6]],
     [[0.0, 0.0, 0.1], [0.0, 1.0, 0.0], [0.1, 0.0, 1.0]],
+    [[0.0, 0.0, 1e-4], [0.0, 1.0, 0.0], [1e-4, 0.0, 1.0]],
     [[1.0, 0.1, 0.0], [0.2, 1.0, 0.0], [0.0, 0.0, 1.0]],
     np.diag([math.nan, 1.0, 1.0]), np.diag([math.inf, 1.0, 1.0])])
 def test_what_is_no_covariance_is_refused(block):

@@ -36,13 +36,14 @@ def x_of(odometry):
     return odometry[-1].pose.pose.position.x
 
 
-def play(graph, readings, distances, joints=JOINTS):
+def play(graph, readings, distances, joints=JOINTS, velocity=()):
     """Play positions of the joints, one message each 20 ms, and see how far [m] that is."""
     odometry = graph.collect(Odometry, 'odom')
     wheels = graph.publisher(JointState, 'wheel_rates')
     start = graph.now_ns() - len(readings) * STEP_NS
     for number, (reading, distance) in enumerate(zip(readings, distances)):
-        message = JointState(name=joints, position=[float(value) for value in reading])
+        message = JointState(name=joints, position=[float(value) for value in reading],
+                             velocity=velocity)
         set_stamp(message, start + number * STEP_NS)
         wheels.publish(message)
         if number % BATCH == 0 or number == len(readings) - 1:
@@ -93,7 +94,8 @@ def test_the_order_of_the_joints_in_a_message_does_not_matter(graph):
 
 
 def test_a_message_with_only_some_of_our_joints_is_reported_once_a_second_at_most(graph):
-    base = graph.start('simulated_base', BASE)
+    base = graph.start('simulated_base', {
+        **BASE, 'qos_overrides./wheel_rates.subscription.depth': 1000})  # it hears all of them
     joints = graph.collect(JointState, 'joint_states')
     wheels = graph.publisher(JointState, 'wheel_rates')
     for _ in range(200):
@@ -189,8 +191,20 @@ def test_encoders_that_start_again_elsewhere_are_reported_and_do_not_move_the_ro
     assert "jump in the positions of 'wheel_rates' (1 so far)" in base.output
 
 
+def test_positions_that_a_driver_tells_late_or_with_gaps_are_no_motion_before_they_are_told(graph):
+    """A broadcaster fills in NaN for what an encoder has not measured yet, or for once."""
+    graph.start('simulated_base', BASE)
+    nan = math.nan
+    positions = [nan, nan, 500.0, 500.1, 500.2, nan, 500.2, 500.3, nan, 500.3, 500.4]
+    angles = [0.0, 0.0, 0.0, 0.1, 0.2, 0.2, 0.2, 0.3, 0.3, 0.3, 0.4]
+    play(graph, [(position, position) for position in positions],
+         [RADIUS * angle for angle in angles], velocity=[0.0, 0.0])
+
+
 @pytest.mark.parametrize('name, value', [
-    ('encoder_range', -1.0), ('encoder_resolution', -1.0), ('max_encoder_rate', 0.0)])
+    ('encoder_range', -1.0), ('encoder_range', 1.5e+300), ('encoder_range', 1.5e-300),
+    ('encoder_resolution', -1.0), ('encoder_resolution', 1.5e+300),
+    ('encoder_resolution', 1.5e-300), ('max_encoder_rate', 0.0)])
 def test_impossible_encoders_are_refused_at_start(graph, name, value):
     base = graph.start('simulated_base', {**BASE, name: value})
     assert base.wait() == 2

@@ -15,15 +15,20 @@
 """Whatever a message or a parameter says, nothing leaves a node, and odometry stays finite."""
 
 from collections import Counter
+import importlib.util
 import math
+import re
 
 from builtin_interfaces.msg import Time
+from diffdrive_kinematics.core.arc import advance, Pose
 from diffdrive_kinematics.nodes import (
-    command_sequence, diff_drive_controller, diffdrive_sim, forward_projection, simulated_base,
-    wheel_noise)
+    calibrate, command_sequence, diff_drive_controller, diffdrive_sim, forward_projection,
+    simulated_base, wheel_noise)
+from diffdrive_kinematics.nodes.calibration_sources import Collection
 from diffdrive_kinematics.nodes.parameters import ConfigurationError, ParameterSet
 from diffdrive_kinematics.nodes.tables import Kind, TABLES
-from geometry_msgs.msg import PoseWithCovarianceStamped, Twist, TwistStamped, Vector3
+from geometry_msgs.msg import (
+    PoseStamped, PoseWithCovarianceStamped, Twist, TwistStamped, Vector3)
 from graph import KHEPERA, twist
 from hypothesis import given, HealthCheck, Phase, settings, strategies as st
 from inside import inside, START_NS
@@ -33,9 +38,11 @@ import rclpy
 from rclpy.parameter import Parameter
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Header
+from std_srvs.srv import Trigger
 
 BATCH = 40  # messages an example
-MESSAGES = 100  # examples of each test: 7 tests, 28,000 messages
+MESSAGES = 100  # examples of each test: 8 tests, 32,000 messages
+NO_NUMBER = re.compile(r'\b(nan|inf)\b', re.IGNORECASE)
 JOINTS = ['left_wheel_joint', 'right_wheel_joint']
 NODES = {
     'diff_drive_controller': diff_drive_controller.DiffDriveController,
@@ -82,6 +89,15 @@ def odometries(draw):
         at.x, at.y, q.z, q.w = draw(numbers), draw(numbers), 0.6, 0.8
     else:
         at.x, at.y, q.x, q.y, q.z, q.w = (draw(numbers) for _ in range(6))
+    return message
+
+
+@st.composite
+def beliefs(draw):
+    """Return odometries, most of them in frames that fit a ground truth in ``map``."""
+    message = draw(odometries())
+    message.header.frame_id = draw(st.sampled_from(['odom', 'odom', 'odom', 'map', '']))
+    message.child_frame_id = draw(st.sampled_from(['base_link', 'base_link', 'base_link', '']))
     return message
 
 
@@ -164,6 +180,12 @@ def assert_finite(message):
             speed.linear.x, speed.angular.z)))
         assert all(map(math.isfinite, [*message.pose.covariance, *message.twist.covariance]))
         assert all(variance >= 0.0 for variance in message.pose.covariance[::7])
+    for each in getattr(message, 'transforms', ()):
+        at, q = each.transform.translation, each.transform.rotation
+        assert all(map(math.isfinite, (at.x, at.y, q.z, q.w)))
+        assert q.z**2 + q.w**2 == pytest.approx(1.0)
+        assert each.header.stamp.nanosec < 10**9
+        assert (each.header.frame_id, each.child_frame_id) == ('map', 'odom')
 
 
 def assert_works(node, batches, change=None):
@@ -240,6 +262,88 @@ def test_no_pose_that_is_set_takes_the_base_down_and_its_odometry_stays_finite(e
         ('/wheel_rates', wheels), ('/set_pose', places())), {
             'enable_odom_tf': False, 'path_topic': 'path', **encoders})
     assert counts['refused'] > 100
+
+
+@pytest.mark.skipif(
+    not importlib.util.find_spec('tf2_msgs'), reason='without tf2_msgs no belief is listened to')
+def test_no_belief_takes_the_ground_truth_down_and_its_transforms_stay_finite():
+    counts = assert_works('simulated_base', batches_of(
+        ('/wheel_rates', wheels), ('/odom', beliefs())), {
+            'enable_odom_tf': False, 'publish_map_odom_tf': True, 'odom_frame_id': 'map',
+            'odom_topic': 'ground_truth'})
+    assert counts['refused'] > 100
+
+
+def listening(**shared):
+    """Return a calibration that listens to topics."""
+    node = calibrate.Calibrate(**shared)
+    node.listen()
+    return node
+
+
+def sane_drive(count):
+    """Return (wheels, odometry) every 0.2 s of an S with a rest, which can be calibrated."""
+    pose, angles = Pose(0.0, 0.0, 0.0), [0.0, 0.0]
+    drive = []
+    for number in range(count):
+        rates = ((0.0, 0.0), (9.0, 14.0), (14.0, 9.0))[3 * number // count]
+        seen = Odometry()
+        seen.pose.pose.position.x, seen.pose.pose.position.y = pose.x, pose.y
+        seen.pose.pose.orientation.z, seen.pose.pose.orientation.w = (
+            math.sin(0.5 * pose.theta), math.cos(0.5 * pose.theta))
+        wheels = JointState(name=JOINTS, velocity=rates, position=angles)
+        for message in wheels, seen:
+            message.header.stamp.sec, message.header.stamp.nanosec = divmod(
+                990 * 10**9 + number * 200_000_000, 10**9)
+        drive.append((wheels, seen))
+        left, right = (0.021 * rate * 0.2 for rate in rates)
+        pose = advance(pose, 0.5 * (left + right), (right - left) / 0.0885)
+        angles = [angle + rate * 0.2 for angle, rate in zip(angles, rates)]
+    return drive
+
+
+@pytest.mark.parametrize('reference', ['odometry', 'pose'])
+def test_nothing_that_calibrate_hears_takes_it_down_and_it_answers(tmp_path, reference):
+    """Mix nonsense with a drive; most of it has the stamps of the drive, or it was left out."""
+    posed = reference == 'pose'
+    drive = sane_drive(3 * BATCH)
+    with inside(listening, {
+            **KHEPERA, 'output': str(tmp_path / 'found.yaml'), 'overwrite': True,
+            'reference_type': reference}) as held:
+        held.node.get_logger().set_level(rclpy.logging.LoggingSeverity.FATAL)
+        finish = next(service.callback for service in held.node.services
+                      if service.srv_name.endswith('/finish'))
+        answers = Counter()
+
+        def hear_reference(message):
+            held.hear('/ground_truth', PoseStamped(
+                header=message.header, pose=message.pose.pose) if posed else message)
+
+        @fuzz(20)
+        @given(st.lists(st.tuples(wheels, odometries(), st.integers(0, 7)), min_size=BATCH,
+                        max_size=BATCH), st.integers(1, BATCH))
+        def feed(nonsense, heard):
+            held.node.collection, held.node._written = Collection(), ''
+            for number, (rolled, seen) in enumerate(drive):
+                held.hear('/joint_states', rolled)
+                hear_reference(seen)
+                if number % 3 == 0 and number // 3 < heard:
+                    joints, place, how = nonsense[number // 3]
+                    if how:
+                        joints.header = place.header = rolled.header
+                    held.hear('/joint_states', joints)
+                    hear_reference(place)
+            held.advance_to(held.clock.now_ns() + 2 * 10**9)  # and report the progress
+            answer = finish(Trigger.Request(), Trigger.Response())
+            assert answer.message
+            if answer.success:
+                assert not NO_NUMBER.search((tmp_path / 'found.yaml').read_text())
+            answers[answer.success] += 1
+
+        feed()
+        assert answers[True] and sum(answers.values()) == 20
+        assert held.node.counts['refused'] > 300
+        assert held.node.counts['refused'] > 100
 
 
 def test_no_odometry_or_wheel_motion_takes_the_projection_down(monkeypatch):

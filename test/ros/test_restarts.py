@@ -17,8 +17,10 @@
 from pathlib import Path
 import signal
 
+from diffdrive_kinematics.nodes.simulated_base import SimulatedBase
 from geometry_msgs.msg import Twist
 from graph import KHEPERA, set_stamp, twist
+from inside import inside, START_NS
 from nav_msgs.msg import Odometry
 import pytest
 from rosgraph_msgs.msg import Clock
@@ -160,3 +162,23 @@ def test_the_watchdog_does_not_wait_for_the_next_repeat(graph):
 
     graph.wait_for(driving, 'the robot to drive')
     graph.wait_for(lambda: not any(rates[-1].velocity), 'the stop')
+
+
+def test_a_clock_that_follows_the_step_of_the_publishers_clock_moves_nothing():
+    """The wheels are told by the new clock first; on /clock that is a matter of chance."""
+    with inside(SimulatedBase, {
+            **KHEPERA, 'enable_odom_tf': False, 'command_timeout': 0.0}) as held:
+        def roll(time_ns):
+            message = JointState(name=JOINTS, velocity=[10.0, 10.0])
+            set_stamp(message, time_ns)
+            held.hear('/wheel_rates', message)
+
+        roll(START_NS)
+        back = START_NS - 500 * 10**9
+        roll(back)
+        held.clock.advance_to(back)
+        roll(back + 20_000_000)
+        held.clock.advance_to(back + 20_000_000)
+        way = 10.0 * 0.02 * KHEPERA['wheel_radius']
+        assert held.node.reading().pose.x == pytest.approx(way, abs=1e-12)
+        assert held.node.counts['clock steps'] == held.node.counts['clock step'] == 1

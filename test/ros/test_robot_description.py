@@ -18,6 +18,7 @@ from xml.etree import ElementTree
 
 from diffdrive_kinematics.core.geometry import WheelGeometry
 from diffdrive_kinematics.nodes.urdf import Shape, urdf_of
+from diffdrive_kinematics.nodes.wheel_joints import WheelJoints
 from graph import KHEPERA
 import pytest
 from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
@@ -30,6 +31,8 @@ LATE = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 GEOMETRY = WheelGeometry(
     0.4, 0.1, wheel_separation_multiplier=1.1, left_wheel_radius_multiplier=1.01,
     right_wheel_radius_multiplier=0.98)
+
+JOINTS = WheelJoints((('l',), ('r',)))
 
 
 def numbers(element, attribute):
@@ -52,7 +55,7 @@ def parsed(urdf):
 
 def test_wheels_stand_on_the_ground_at_half_the_effective_separation_with_effective_radii():
     root, links, joints = parsed(urdf_of(
-        GEOMETRY, ['l'], ['r'], name='robot', base='base_link', shape=Shape(0.0, 0.05)))
+        GEOMETRY, JOINTS, name='robot', base='base_link', shape=Shape(0.0, 0.05)))
     assert root == 'base_link'
     for name, side, radius in (('l', 1.0, 0.101), ('r', -1.0, 0.098)):
         origin = joints[name].find('origin')
@@ -63,16 +66,19 @@ def test_wheels_stand_on_the_ground_at_half_the_effective_separation_with_effect
         assert float(cylinder.get('length')) == 0.05
 
 
-def test_a_positive_angle_rolls_forward():
+@pytest.mark.parametrize('inverted', [(False, False), (True, False), (False, True)])
+def test_the_angle_that_a_joint_tells_of_a_wheel_that_rolls_forward_rolls_it_forward(inverted):
     """Turn the top of the wheel about the axis: REP-103, right-handed, x forward, z up."""
     _, links, joints = parsed(urdf_of(
-        GEOMETRY, ['l'], ['r'], name='robot', base='base_link', shape=Shape(0.0, 0.05)))
-    for joint in joints.values():
+        GEOMETRY, WheelJoints((('l',), ('r',)), inverted), name='robot', base='base_link',
+        shape=Shape(0.0, 0.05)))
+    for name, upside_down in zip('lr', inverted):
+        joint = joints[name]
         assert joint.get('type') == 'continuous'
         ax, ay, az = numbers(joint.find('axis'), 'xyz')
         top = (0.0, 0.0, 1.0)
         moved = (ay * top[2] - az * top[1], az * top[0] - ax * top[2], ax * top[1] - ay * top[0])
-        assert moved == (1.0, 0.0, 0.0)
+        assert moved == ((-1.0 if upside_down else 1.0), 0.0, 0.0)
         tyre = links[joint.find('child').get('link')].find('visual')
         roll, pitch, yaw = numbers(tyre.find('origin'), 'rpy')
         assert (abs(math.sin(roll)), pitch, yaw) == (1.0, 0.0, 0.0)  # cylinder axis z onto y
@@ -80,7 +86,7 @@ def test_a_positive_angle_rolls_forward():
 
 def test_several_wheels_of_a_side_are_spread_from_front_to_rear():
     _, _, joints = parsed(urdf_of(
-        GEOMETRY, ['fl', 'ml', 'rl'], ['fr', 'rr'], name='robot', base='base_link',
+        GEOMETRY, WheelJoints((('fl', 'ml', 'rl'), ('fr', 'rr'))), name='robot', base='base_link',
         shape=Shape(0.6, 0.05)))
     xs = {name: numbers(joint.find('origin'), 'xyz')[0] for name, joint in joints.items()}
     assert xs == pytest.approx({'fl': 0.3, 'ml': 0.0, 'rl': -0.3, 'fr': 0.3, 'rr': -0.3})
@@ -88,20 +94,25 @@ def test_several_wheels_of_a_side_are_spread_from_front_to_rear():
 
 def test_links_are_prefixed_as_the_base_frame_is_and_names_are_escaped():
     root, links, joints = parsed(urdf_of(
-        GEOMETRY, ['a<b'], ['r&d'], name='x"y', base='robot1/base_link', shape=Shape(0.0, 0.05)))
+        GEOMETRY, WheelJoints((('a<b',), ('r&d',))), name='x"y', base='robot1/base_link',
+        shape=Shape(0.0, 0.05)))
     assert root == 'robot1/base_link' and set(joints) == {'a<b', 'r&d'}
     assert all(name.startswith('robot1/') for name in links)
 
 
 def test_a_late_listener_gets_the_description_and_every_change_of_geometry(graph):
     graph.start('robot_description', {**KHEPERA, 'left_wheel_names': ['fl', 'rl'],
-                                      'right_wheel_names': ['fr', 'rr']})
+                                      'right_wheel_names': ['fr', 'rr'],
+                                      'right_wheel_inverted': True,
+                                      'tf_frame_prefix_enable': True, 'tf_frame_prefix': 'a'})
     graph.wait_for(lambda: graph.node.count_publishers('robot_description'), 'the node')
     heard = []
     graph.node.create_subscription(String, 'robot_description', heard.append, LATE)
     root, _, joints = parsed(graph.wait_for(lambda: heard, 'the description')[0].data)
     assert root == 'base_link' and set(joints) == {'fl', 'rl', 'fr', 'rr'}
     assert numbers(joints['fl'].find('origin'), 'xyz')[1:] == pytest.approx([0.04425, 0.021])
+    assert [numbers(joints[name].find('axis'), 'xyz')[1] for name in ('fl', 'rl', 'fr', 'rr')] \
+        == [1.0, 1.0, -1.0, -1.0]
     gap = (numbers(joints['fl'].find('origin'), 'xyz')[0]
            - numbers(joints['rl'].find('origin'), 'xyz')[0])
     assert gap > 2 * 0.021  # they do not touch

@@ -115,11 +115,11 @@ class Graph:
         self.executor.add_node(self.node)
         self.processes = []
 
-    def start(self, name, parameters=None, *extra, args=None, cwd=None):
+    def start(self, name, parameters=None, *extra, args=None, cwd=None, environment=None):
         """Start an executable with parameters, or with ``args`` as they are."""
         process = Process(
             name, arguments(parameters or {}, *extra) if args is None else args,
-            self._environment, cwd)
+            {**self._environment, **(environment or {})}, cwd)
         self.processes.append(process)
         return process
 
