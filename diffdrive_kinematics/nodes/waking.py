@@ -26,7 +26,7 @@ from rclpy.executors import Executor
 
 __all__ = ['Awake']
 
-LOOK_PERIOD_S = 0.05
+LOOK_PERIOD_S = 0.2
 STEP_NS = 100_000_000  # less than that does not hold up much
 
 
