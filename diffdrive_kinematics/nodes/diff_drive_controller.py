@@ -78,6 +78,7 @@ class DiffDriveController(DiffDriveNode[Config]):
                 f"{values['cmd_vel_timeout']!r}: a command that is older than the timeout when it "
                 'comes is over at once')
         self._wheels_publisher = self.publisher(JointState, values['wheel_rates_topic'])
+        self._send_wheels = self.sender(self._wheels_publisher)
         topic = values['wheel_commands_topic']
         self._commands_publisher = self.publisher(Float64MultiArray, topic) if topic else None
         limited = values['publish_limited_velocity']
@@ -152,7 +153,7 @@ class DiffDriveController(DiffDriveNode[Config]):
             first = self._told_ns < 0
             self.sent += 1
             self._told_ns = telling.stamp_ns
-            self._wheels_publisher.publish(self._wheels.filled(
+            self._send_wheels(self._wheels.filled(
                 telling.stamp_ns, telling.rates, None if first else telling.angles))
             if self._commands_publisher:
                 self._commands_publisher.publish(self._wheel_commands.filled(telling.rates))

@@ -167,9 +167,8 @@ class DiffDriveNode(Node, Generic[Config]):
             self._traffic.count_sent(publisher)
         return publisher
 
-    def sender(self, message_type: type, topic: str) -> Callable[[bytes], None]:
-        """Return what publishes serialised messages of a type on a topic."""
-        publisher = self.publisher(message_type, topic)
+    def sender(self, publisher: Publisher) -> Callable[[bytes], None]:
+        """Return what publishes serialised messages, and does not look at them again."""
         if self._traffic:
             return lambda data: publisher.publish(data)
         return publisher.handle.publish_raw

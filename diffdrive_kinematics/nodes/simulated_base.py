@@ -119,9 +119,11 @@ class SimulatedBase(DiffDriveNode[Config]):
         self._frames = self._message.frame_id, self._message.child_frame_id
         self._set_diagonals(values)
         topic = values['odom_topic']
-        self._send_odometry = self.sender(Odometry, topic) if topic else None
+        self._send_odometry = self.sender(
+            self.publisher(Odometry, topic)) if topic else None
         topic = values['joint_states_topic']
-        self._send_joints = self.sender(JointState, topic) if topic else None
+        self._send_joints = self.sender(
+            self.publisher(JointState, topic)) if topic else None
         self._transform = self._transforms('enable_odom_tf')
         self._map_odom = self._transforms('publish_map_odom_tf')
         self._history = OdometryHistory((self._odometry,))

@@ -24,7 +24,6 @@ from diffdrive_kinematics.nodes.wheel_joints import WheelJoints
 from diffdrive_kinematics.nodes.wire import JointStateLayout, Layout, NANOSECONDS, Template
 from rclpy.serialization import deserialize_message
 from sensor_msgs.msg import JointState
-from std_msgs.msg import Float64MultiArray
 
 __all__ = ['WheelCommandMessage', 'WheelMessage', 'WheelReader']
 
@@ -185,14 +184,11 @@ class WheelMessage:
         template.stamp(stamp_ns)
         if positions is not None:
             angles = self._joints.signed(positions)
-            self._fill(template.positions, self._read(angles) if self._reads else angles)
+            _fill(template.positions, self._joints.spread(
+                self._read(angles) if self._reads else angles))
         if rates is not None:
-            self._fill(template.velocities, self._joints.signed(rates))
+            _fill(template.velocities, self._joints.spread(self._joints.signed(rates)))
         return template.message()
-
-    def _fill(self, view: 'memoryview[float]', pair: Pair) -> None:
-        for index, value in enumerate(self._joints.spread(pair)):
-            view[index] = value
 
     def _read(self, angles: Pair) -> Pair:
         return self._encoder.reading(angles[0]), self._encoder.reading(angles[1])
@@ -216,14 +212,25 @@ class _JointStateTemplate(Template):
         self.velocities = self.doubles(at[1], len(names) if with_rates else 0)
 
 
+def _fill(view: 'memoryview[float]', values: Sequence[float]) -> None:
+    for index, value in enumerate(values):
+        view[index] = value
+
+
 class WheelCommandMessage:
-    """A Float64MultiArray of wheel rates, left wheels then right wheels."""
+    """A serialised Float64MultiArray of wheel rates, left wheels then right wheels."""
 
     def __init__(self, joints: WheelJoints) -> None:
         self._joints = joints
-        self.message = Float64MultiArray()
+        count = len(joints.all_names())
+        layout = Layout()
+        layout.sequence('I', [])  # dimensions
+        layout.numbers('I', [0])  # offset of the data
+        at = layout.sequence('d', [0.0] * count)
+        self._template = Template(layout)
+        self._rates = self._template.doubles(at, count)
 
-    def filled(self, rates: Pair) -> Float64MultiArray:
+    def filled(self, rates: Pair) -> bytes:
         """Return the message with rates [rad/s]."""
-        self.message.data = self._joints.spread(self._joints.signed(rates))
-        return self.message
+        _fill(self._rates, self._joints.spread(self._joints.signed(rates)))
+        return self._template.message()

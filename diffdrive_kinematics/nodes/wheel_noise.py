@@ -61,7 +61,7 @@ class WheelNoise(DiffDriveNode[Config]):
         self._stream = self.config.stream
         self._seed = values['seed']
         self._generator = np.random.default_rng(self._seed)
-        self._publisher = self.publisher(JointState, values['output_topic'])
+        self._send = self.sender(self.publisher(JointState, values['output_topic']))
         self.subscribe(JointState, values['input_topic'], self._on_wheels, raw=True)
         self.parameters.on_change(self._configure)
 
@@ -74,8 +74,7 @@ class WheelNoise(DiffDriveNode[Config]):
         self.judge(verdict, self.config.values['input_topic'])
         if noisy is not None:
             self.sent += 1
-            self._publisher.publish(
-                self._wheels.filled(noisy.stamp_ns, noisy.rates, noisy.positions))
+            self._send(self._wheels.filled(noisy.stamp_ns, noisy.rates, noisy.positions))
 
     def diagnosis(self, look: Look) -> Diagnosis:
         """Return how wheel motion passes through; its age is that of its stamp."""

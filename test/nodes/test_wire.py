@@ -24,7 +24,8 @@ from diffdrive_kinematics.nodes.messages import (
     command_in, OdometryMessage, quaternion_of, set_stamp, TwistMessage)
 from diffdrive_kinematics.nodes.tf import TransformMessage
 from diffdrive_kinematics.nodes.wheel_joints import WheelJoints
-from diffdrive_kinematics.nodes.wheel_messages import WheelMessage, WheelReader
+from diffdrive_kinematics.nodes.wheel_messages import (
+    WheelCommandMessage, WheelMessage, WheelReader)
 from diffdrive_kinematics.nodes.wire import Layout
 from geometry_msgs.msg import TransformStamped, Twist, TwistStamped
 from hypothesis import given, settings, strategies as st
@@ -33,6 +34,7 @@ import pytest
 from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.serialization import deserialize_message, serialize_message
 from sensor_msgs.msg import JointState
+from std_msgs.msg import Float64MultiArray
 
 NAMES = st.text(st.characters(codec='utf-8', exclude_characters='\0'), max_size=12)
 JOINTS = st.lists(NAMES, min_size=2, max_size=7, unique=True)
@@ -120,6 +122,17 @@ def test_joint_states(source, names, split, inverted, samples):
         set_stamp(message.header.stamp, stamp)
         assert_same_bytes(
             joint_state_layout(message), ours.filled(stamp, rates, positions), message)
+
+
+@given(names=JOINTS, rates=PAIRS, inverted=st.tuples(st.booleans(), st.booleans()))
+def test_wheel_commands(names, rates, inverted):
+    joints = WheelJoints(((names[0],), tuple(names[1:])), inverted)
+    message = Float64MultiArray(data=joints.spread(joints.signed(rates)))
+    layout = Layout()
+    layout.sequence('I', [])
+    layout.numbers('I', [0])
+    layout.sequence('d', message.data)
+    assert_same_bytes(layout, WheelCommandMessage(joints).filled(rates), message)
 
 
 @given(frame=st.none() | NAMES, stamp=STAMPS, twist=PAIRS)
