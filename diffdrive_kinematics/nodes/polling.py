@@ -14,12 +14,9 @@
 
 """Messages that are looked at when a timer fires, so that none of them wakes the process."""
 
-from typing import Any, Callable, Optional, TYPE_CHECKING
+from typing import Any, Callable, Optional
 
 from rclpy.subscription import Subscription
-
-if TYPE_CHECKING:
-    from diffdrive_kinematics.nodes.node import DiffDriveNode
 
 __all__ = ['Poll', 'QUEUE_DEPTH']
 
@@ -44,7 +41,7 @@ class Poll:
     """
 
     def __init__(
-            self, node: 'DiffDriveNode[Any]', callback: Callable[[bytes, int], None],
+            self, node: Any, callback: Callable[[bytes, int], None],
             subscription: Optional[Subscription] = None) -> None:
         self._node, self._callback, self._subscription = node, callback, subscription
         self._timer: Any = None
