@@ -38,6 +38,7 @@ import argparse
 import compileall
 import importlib.util
 import json
+import math
 import os
 from pathlib import Path
 import shlex
@@ -65,7 +66,6 @@ FILES = tempfile.TemporaryDirectory()
 STAMP = struct.Struct('=iI')
 SPEED_AT, ODOMETRY_TAIL = 43 * 8, 85 * 8  # of twist.linear.x among the doubles that end it
 SPEEDS = 500  # how many commands differ from each other
-LATE = 0.5  # of a period
 
 
 def ros_arguments(*parameters):
@@ -120,15 +120,11 @@ def resident_mib(pid):
 
 def late_share(stamps, rate):
     """Return which part of the ticks [%] came late by more than half a period, or never."""
-    period = 1.0 / rate
-    ticks = [0]
-    for before, stamp in zip(stamps, stamps[1:]):
-        ticks.append(ticks[-1] + max(1, round((stamp - before) / period)))
-    behind = [stamp - tick * period for stamp, tick in zip(stamps, ticks)]
-    due = sorted(behind)[len(behind) // 10]
-    late = sum(each - due > LATE * period for each in behind)
-    expected = ticks[-1] + 1
-    return 100.0 * (late + expected - len(stamps)) / expected
+    turns = [2.0 * math.pi * rate * (stamp - stamps[0]) for stamp in stamps]
+    phase = math.atan2(sum(map(math.sin, turns)), sum(map(math.cos, turns)))
+    ticks = {round((turn - phase) / (2.0 * math.pi)) for turn in turns}
+    expected = max(ticks) - min(ticks) + 1
+    return 100.0 * (expected - len(ticks)) / expected
 
 
 def percentile(values, part):
@@ -144,6 +140,7 @@ class Subject:
     def __init__(self, argv, rate=100, topics=('odom',), tree=None, relays=False):
         self.argv, self.rate, self.topics = argv, rate, topics
         self.relays = relays  # whatever comes on wheel_rates answers a command
+        self.tree = tree
         self.environment = {} if tree is None else {'PYTHONPATH': str(tree)}
 
 
@@ -174,7 +171,8 @@ class Run:
         self.count, self.first_s = 0, None
         self.begun = time.monotonic()
         self.process = subprocess.Popen(
-            subject.argv, env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+            subject.argv, env=environment, cwd=subject.tree, stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL)
 
     def _odometry_of(self, topic):
         first = topic == self.subject.topics[0]
