@@ -146,7 +146,7 @@ class SimulatedBase(DiffDriveNode[Config]):
 
     def reading(self) -> core.BaseReading:
         """Return the base as it is now."""
-        return self._odometry.at(self._synchronised_now())
+        return self._odometry.at(self._updated_now())
 
     def _on_wheels(self, message: bytes, received_ns: int) -> None:
         now_ns = self._synchronised_now()

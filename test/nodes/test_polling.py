@@ -1,0 +1,78 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Wheel motion that a base looks at when it needs it, and where it must not wait for that."""
+
+from contextlib import contextmanager
+import time
+
+from diffdrive_kinematics.nodes.clocks import SteadyTimers
+from diffdrive_kinematics.nodes.running import make_executor
+from diffdrive_kinematics.nodes.simulated_base import SimulatedBase
+from domain_coordinator import domain_id
+from graph import arguments, KHEPERA
+import pytest
+import rclpy
+from rclpy.signals import SignalHandlerOptions
+from sensor_msgs.msg import JointState
+
+pytestmark = pytest.mark.ros
+DEADLINE_S = 10.0
+JOINTS = ['left_wheel_joint', 'right_wheel_joint']
+
+
+class Base:
+    """A base whose timers nobody fires, its executor, and a publisher of wheel motion."""
+
+    def __init__(self):
+        self.node = SimulatedBase(timers=SteadyTimers())
+        self._executor = make_executor([self.node])
+        self._helper = rclpy.create_node('wheels')
+        self._publisher = self._helper.create_publisher(JointState, 'wheel_rates', 10)
+        self.spin_until(lambda: self._publisher.get_subscription_count(), 'the base to listen')
+
+    def publish(self, left, right):
+        self._publisher.publish(JointState(name=JOINTS, velocity=[left, right]))
+
+    def spin_until(self, condition, what):
+        deadline = time.monotonic() + DEADLINE_S
+        while not condition():
+            assert time.monotonic() < deadline, what
+            self._executor.spin_once(timeout_sec=0.01)
+
+    def close(self):
+        self._executor.shutdown()
+        self._helper.destroy_node()
+        self.node.destroy_node()
+
+
+@contextmanager
+def base_with(parameters):
+    with domain_id() as domain:
+        rclpy.init(args=arguments({**KHEPERA, 'enable_odom_tf': False, **parameters}),
+                   domain_id=int(domain), signal_handler_options=SignalHandlerOptions.NO)
+        try:
+            base = Base()
+            try:
+                yield base
+            finally:
+                base.close()
+        finally:
+            rclpy.try_shutdown()
+
+
+def test_wheel_motion_is_heard_when_the_base_is_asked_where_it_is():
+    with base_with({}) as base:
+        base.publish(1.0, 2.0)
+        base.spin_until(lambda: base.node.reading().rates == (1.0, 2.0), 'the message')
