@@ -47,11 +47,14 @@ class Poll:
         self._timer: Any = None
 
     def take(self) -> None:
-        """Hand on what has come."""
+        """Hand on what has come up to now."""
         if self._subscription is None:
             return
         take, kind = self._subscription.handle.take_message, self._subscription.msg_type
-        while taken := take(kind, True):
+        for _ in range(QUEUE_DEPTH):  # more cannot have come; a flood would never end
+            taken = take(kind, True)
+            if not taken:
+                return
             self._callback(taken[0], taken[1]['received_timestamp'])
 
     def promise(self, rate: float) -> None:

@@ -18,6 +18,7 @@ from contextlib import contextmanager
 import time
 
 from diffdrive_kinematics.nodes.clocks import SteadyTimers
+from diffdrive_kinematics.nodes.polling import QUEUE_DEPTH
 from diffdrive_kinematics.nodes.running import make_executor
 from diffdrive_kinematics.nodes.simulated_base import SimulatedBase
 from domain_coordinator import domain_id
@@ -76,3 +77,20 @@ def test_wheel_motion_is_heard_when_the_base_is_asked_where_it_is():
     with base_with({}) as base:
         base.publish(1.0, 2.0)
         base.spin_until(lambda: base.node.reading().rates == (1.0, 2.0), 'the message')
+
+
+def test_a_flood_does_not_keep_the_base_at_looking():
+    """Each message that is read brings another one, which is there at once."""
+    with base_with({}) as base:
+        read, handled = base.node._reader.read, []
+
+        def read_and_publish(*message):
+            handled.append(1)
+            if len(handled) < 20 * QUEUE_DEPTH:  # or this would never end
+                base.publish(1.0, float(len(handled)))
+            return read(*message)
+
+        base.node._reader.read = read_and_publish
+        base.publish(1.0, 0.0)
+        base.spin_until(lambda: base.node.reading() and handled, 'the first message')
+        assert len(handled) <= QUEUE_DEPTH
