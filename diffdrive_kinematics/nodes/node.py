@@ -197,9 +197,10 @@ class DiffDriveNode(Node, Generic[Config]):
         """
         Return what hands serialised messages on when it is asked to; see :class:`Poll`.
 
-        Where the process does not fire timers by itself they are handed on as they come.
+        They are handed on as they come where the process does not fire timers by itself, and
+        where the YAML has a queue of its own, which may be too shallow to wait.
         """
-        if not isinstance(self._beat, SteadyTimers):
+        if not (isinstance(self._beat, SteadyTimers) and self._keeps_enough(topic)):
             self.subscribe(message_type, topic, lambda data: callback(data, 0), raw=True)
             return Poll(self, callback)
         subscription = self._endpoint(
@@ -208,6 +209,11 @@ class DiffDriveNode(Node, Generic[Config]):
             message_type, topic, 'subscription', reliable(POLLED_QUEUE_DEPTH))
         self._polled.add(subscription)
         return Poll(self, self._guarded(topic, callback), subscription)
+
+    def _keeps_enough(self, topic: str) -> bool:
+        """Return whether a subscription has the queue that it is given."""
+        overrides = self._qos_overrides.get((self.resolve_topic_name(topic), 'subscription'), ())
+        return not any(override.policy in ('depth', 'history') for override in overrides)
 
     @property
     def subscriptions(self) -> Iterator[Subscription]:

@@ -14,9 +14,10 @@
 """
 Quality of service of the topics: the package's defaults, and what the YAML puts in their place.
 
-A topic is reliable with a queue of 10.  Parameters ``qos_overrides.TOPIC.publisher.POLICY`` and
-``qos_overrides.TOPIC.subscription.POLICY`` override that, as in every ROS 2 node; TOPIC is the
-fully resolved name.  They are judged before anything is created.
+A topic is reliable, with a queue of 10 where the node does not ask for another.  Parameters
+``qos_overrides.TOPIC.publisher.POLICY`` and ``qos_overrides.TOPIC.subscription.POLICY`` override
+that, as in every ROS 2 node; TOPIC is the fully resolved name.  They are judged before anything
+is created.
 """
 
 from typing import Any, Callable, Dict, Mapping, NamedTuple, Tuple

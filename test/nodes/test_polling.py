@@ -31,6 +31,7 @@ from sensor_msgs.msg import JointState
 pytestmark = pytest.mark.ros
 DEADLINE_S = 10.0
 JOINTS = ['left_wheel_joint', 'right_wheel_joint']
+OVERRIDE = 'qos_overrides./wheel_rates.subscription.'
 
 
 class Base:
@@ -73,10 +74,28 @@ def base_with(parameters):
             rclpy.try_shutdown()
 
 
+def assert_hears_as_it_comes(base):
+    """Each message is heard by itself, although no timer fires."""
+    for count in (1, 2, 3):
+        base.publish(float(count), 0.0)
+        base.spin_until(lambda count=count: base.node.heard.count == count, f'message {count}')
+
+
 def test_wheel_motion_is_heard_when_the_base_is_asked_where_it_is():
     with base_with({}) as base:
         base.publish(1.0, 2.0)
         base.spin_until(lambda: base.node.reading().rates == (1.0, 2.0), 'the message')
+
+
+@pytest.mark.parametrize('policy, value', [('depth', 1), ('depth', 1000), ('history', 'keep_all')])
+def test_a_queue_of_the_users_is_not_left_to_fill_until_the_next_tick(policy, value):
+    with base_with({OVERRIDE + policy: value, 'publish_rate': 1.0}) as base:
+        assert_hears_as_it_comes(base)
+
+
+def test_other_policies_leave_the_base_to_look_by_itself():
+    with base_with({OVERRIDE + 'reliability': 'best_effort'}) as base:
+        assert not [each for each in base.node.subscriptions if each.topic_name == '/wheel_rates']
 
 
 def test_a_flood_does_not_keep_the_base_at_looking():
