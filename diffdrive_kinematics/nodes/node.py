@@ -39,6 +39,7 @@ from rclpy.publisher import Publisher
 from rclpy.qos import HistoryPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.service import Service
 from rclpy.subscription import Subscription
+from rclpy.utilities import get_rmw_implementation_identifier
 
 __all__ = ['DiffDriveNode']
 
@@ -55,6 +56,8 @@ VERDICTS = {  # where it was seen, and what was done
 UNREADABLE = (ValueError, OverflowError, rclpy_implementation.RMWError)
 HARDWARE = 'robot'  # what a node without a namespace belongs to
 LAST_WORD_PERIOD = Duration(nanoseconds=20_000_000)
+# that of Cyclone DDS in Jazzy takes the time at which a message is taken for that of its arrival
+NOTES_ARRIVAL = ('rmw_fastrtps_cpp', 'rmw_fastrtps_dynamic_cpp', 'rmw_zenoh_cpp')
 UNACKNOWLEDGED_WORDS = 3  # how often the last word is said where nobody acknowledges
 HEARTBEAT_S = 3.0  # the longest that DDS waits before it asks for acknowledgement
 
@@ -197,10 +200,12 @@ class DiffDriveNode(Node, Generic[Config]):
         """
         Return what hands serialised messages on when it is asked to; see :class:`Poll`.
 
-        They are handed on as they come where the process does not fire timers by itself, and
-        where the YAML has a queue of its own, which may be too shallow to wait.
+        They are handed on as they come where the process does not fire timers by itself, where
+        the YAML has a queue of its own, which may be too shallow to wait, and where it would not
+        be known when they came.
         """
-        if not (isinstance(self._beat, SteadyTimers) and self._keeps_enough(topic)):
+        if not (isinstance(self._beat, SteadyTimers) and self._keeps_enough(topic)
+                and get_rmw_implementation_identifier() in NOTES_ARRIVAL):
             self.subscribe(message_type, topic, lambda data: callback(data, 0), raw=True)
             return Poll(self, callback)
         subscription = self._endpoint(

@@ -17,6 +17,7 @@
 from contextlib import contextmanager
 import time
 
+from diffdrive_kinematics.nodes import node as node_module
 from diffdrive_kinematics.nodes.clocks import SteadyTimers
 from diffdrive_kinematics.nodes.polling import QUEUE_DEPTH
 from diffdrive_kinematics.nodes.running import make_executor
@@ -96,6 +97,15 @@ def test_a_queue_of_the_users_is_not_left_to_fill_until_the_next_tick(policy, va
 def test_other_policies_leave_the_base_to_look_by_itself():
     with base_with({OVERRIDE + 'reliability': 'best_effort'}) as base:
         assert not [each for each in base.node.subscriptions if each.topic_name == '/wheel_rates']
+
+
+def test_a_middleware_that_does_not_note_the_time_of_arrival_hands_messages_on_as_they_come(
+        monkeypatch):
+    """A message with a zero stamp holds from its arrival on, not from when it was looked at."""
+    monkeypatch.setattr(
+        node_module, 'get_rmw_implementation_identifier', lambda: 'rmw_cyclonedds_cpp')
+    with base_with({}) as base:
+        assert_hears_as_it_comes(base)
 
 
 def test_a_flood_does_not_keep_the_base_at_looking():
