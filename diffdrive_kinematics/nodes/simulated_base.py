@@ -14,7 +14,7 @@
 
 """``simulated_base``: wheel motion in, odometry, joint states and tf out."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 import math
 from typing import Any, Mapping, Optional, Tuple
 
@@ -112,7 +112,6 @@ class SimulatedBase(DiffDriveNode[Config]):
             pose, geometry=self.config.geometry, timeout_ns=self.config.timeout_ns,
             slip_variances=self.config.slip_variances, covariance=covariance)._replace(
                 max_rate=_bound(values))
-        self._step_ns = self._shift_ns = 0  # of the clock, noticed in this look; of the motion
         self._wheels = WheelMessage(joints, self.source(), encoder)
         prefix = frame_prefix(values, self.get_namespace())
         self._message = OdometryMessage(
@@ -151,17 +150,10 @@ class SimulatedBase(DiffDriveNode[Config]):
 
     def _on_wheels(self, message: bytes, received_ns: int) -> None:
         now_ns = self._synchronised_now()
-        shift_ns = 0
-        if received_ns and not self.time_clock.ros_time_is_active:
-            if self._came_before_step(received_ns, now_ns):
-                received_ns += self._step_ns
-                shift_ns = self._shift_ns
-            now_ns = min(now_ns, received_ns)
-        sample = self._reader.read(message, lambda: now_ns - shift_ns)
+        now_ns = min(now_ns, received_ns or now_ns)
+        sample = self._reader.read(message, lambda: now_ns)
         if sample is None:
             return
-        if shift_ns:
-            sample = replace(sample, stamp_ns=sample.stamp_ns + shift_ns)
         self.heard.note(now_ns, sample.stamp_ns)
         self._odometry, verdict = self._odometry.received(sample, now_ns)
         self.judge(verdict, self.config.values['wheel_motion_topic'])
@@ -253,23 +245,14 @@ class SimulatedBase(DiffDriveNode[Config]):
     def _updated_now(self) -> int:
         """Return the time, after all wheel motion that has come up to then."""
         self._wheel_motion.take()
-        self._step_ns = 0  # nothing that came before it is left
         return self._synchronised_now()
 
     def _synchronised_now(self) -> int:
         now_ns, step_ns = self.now_and_step()
-        if step_ns:
-            self._step_ns, self._shift_ns = step_ns, 0
-            if not self.heard.agrees_after(step_ns):  # else the stamps were stepped before
-                self._shift_ns = step_ns
-                self._odometry = self._odometry.clock_stepped(step_ns)
-                self._history = OdometryHistory((self._odometry,))
+        if step_ns and not self.heard.agrees_after(step_ns):  # else the stamps were stepped before
+            self._odometry = self._odometry.clock_stepped(step_ns)
+            self._history = OdometryHistory((self._odometry,))
         return now_ns
-
-    def _came_before_step(self, received_ns: int, now_ns: int) -> bool:
-        """Return whether a time of arrival was told by the clock before its last step."""
-        return bool(self._step_ns) and abs(received_ns + self._step_ns - now_ns) < abs(
-            received_ns - now_ns)
 
     def _set_diagonals(self, values: Mapping[str, Any]) -> None:
         """Set what stays: the fixed diagonals, or the floor where nothing is observed."""

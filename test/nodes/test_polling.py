@@ -17,23 +17,20 @@
 from contextlib import contextmanager
 import time
 
-from diffdrive_kinematics.core.wheel_motion import Verdict
-from diffdrive_kinematics.nodes import clocks, node as node_module
+from diffdrive_kinematics.nodes import node as node_module
 from diffdrive_kinematics.nodes.clocks import SteadyTimers
 from diffdrive_kinematics.nodes.polling import QUEUE_DEPTH
 from diffdrive_kinematics.nodes.running import make_executor
 from diffdrive_kinematics.nodes.simulated_base import SimulatedBase
 from domain_coordinator import domain_id
-from graph import arguments, KHEPERA, set_stamp
+from graph import arguments, KHEPERA
 import pytest
 import rclpy
-from rclpy.serialization import serialize_message
 from rclpy.signals import SignalHandlerOptions
 from sensor_msgs.msg import JointState
 
 pytestmark = pytest.mark.ros
 DEADLINE_S = 10.0
-MS = 10**6
 JOINTS = ['left_wheel_joint', 'right_wheel_joint']
 OVERRIDE = 'qos_overrides./wheel_rates.subscription.'
 
@@ -126,38 +123,3 @@ def test_a_flood_does_not_keep_the_base_at_looking():
         base.publish(1.0, 0.0)
         base.spin_until(lambda: base.node.reading() and handled, 'the first message')
         assert len(handled) <= QUEUE_DEPTH
-
-
-@pytest.mark.parametrize('step_s', [3600, -3600])
-@pytest.mark.parametrize('stamped', [True, False])
-def test_what_came_before_a_step_of_the_clock_is_looked_at_as_of_then(
-        monkeypatch, step_s, stamped):
-    """It may wait for the next tick; what came after the step has the stamps of the new clock."""
-    with base_with({}) as base:
-        wall, steady = [time.time_ns()], [time.monotonic_ns()]
-        monkeypatch.setattr(clocks.time, 'time_ns', lambda: wall[0])
-        monkeypatch.setattr(clocks.time, 'monotonic_ns', lambda: steady[0])
-
-        def passes(time_ns):
-            wall[0] += time_ns
-            steady[0] += time_ns
-
-        def look_at(angle, came_ns):
-            message = JointState(name=JOINTS, velocity=[10.0] * 2, position=[angle] * 2)
-            message.header.frame_id = 'driver'
-            if stamped:
-                set_stamp(message, came_ns)
-            base.node._on_wheels(bytes(serialize_message(message)), came_ns)
-
-        look_at(0.0, wall[0])
-        passes(10 * MS)
-        look_at(0.1, wall[0])
-        passes(10 * MS)
-        came_ns = wall[0]
-        wall[0] += step_s * 10**9
-        passes(10 * MS)
-        look_at(0.2, came_ns)
-        look_at(0.3, wall[0])
-        assert base.node.counts['clock steps'] == 1
-        assert base.node.counts[Verdict.CLOCK_STEP.value] == 0
-        assert base.node.reading().angles == pytest.approx((0.3, 0.3), abs=1e-6)
