@@ -62,7 +62,8 @@ class Timer:
 
     def cancel(self) -> None:
         """Never fire again."""
-        self._timers.timers.remove(self)
+        if self in self._timers.timers:
+            self._timers.timers.remove(self)
         self.next_ns = NEVER_NS
 
 
@@ -109,6 +110,7 @@ class SteadyTimers(Timers):
     def __init__(self) -> None:
         super().__init__()
         self._next_ns = 0
+        self._phase_ns = time.monotonic_ns()  # processes that were started apart wake apart
 
     def now_ns(self) -> int:
         """Return the time [ns]."""
@@ -117,7 +119,7 @@ class SteadyTimers(Timers):
     def create_timer(self, period: int, callback: Callable[[], None]) -> Timer:
         """Return a new timer with a period [ns], in step with the others of that period."""
         timer = super().create_timer(period, callback)
-        timer.next_ns -= timer.next_ns % period
+        timer.next_ns -= (timer.next_ns - self._phase_ns) % period
         self.expect(timer.next_ns)
         return timer
 

@@ -18,10 +18,11 @@ from dataclasses import replace
 from itertools import accumulate
 import math
 
-from diffdrive_kinematics.core.arc import Pose
+from diffdrive_kinematics.core.arc import advance, Pose
 from diffdrive_kinematics.core.compensated import RunningSum
 from diffdrive_kinematics.core.covariance import NO_COVARIANCE, PoseCovariance
-from diffdrive_kinematics.core.geometry import twist_from_wheel_rates, WheelGeometry
+from diffdrive_kinematics.core.geometry import (
+    pose_change_from_travel, travel_from_angles, twist_from_wheel_rates, WheelGeometry)
 from diffdrive_kinematics.core.odometry import Odometry
 from diffdrive_kinematics.core.wheel_motion import Verdict, WheelSample
 from hypothesis import given, settings, strategies as st
@@ -519,3 +520,13 @@ def test_a_lost_change_of_the_rates_costs_the_arc_of_one_message_however_long_th
 
 def scaled(rates, time_ns):
     return rates[0] * time_ns / 1e9, rates[1] * time_ns / 1e9
+
+
+@given(heading=st.floats(-1e6, 1e6), left=st.floats(-1e6, 1e6), right=st.floats(-1e6, 1e6))
+def test_its_arc_is_that_of_advance_to_the_last_bit(heading, left, right):
+    """It is written out in odometry for speed, and must not drift away from the one arc."""
+    odometry = START._replace(theta=RunningSum(heading))
+    distance, turn = pose_change_from_travel(
+        odometry.geometry, *travel_from_angles(odometry.geometry, left, right))
+    arc = advance(Pose(0.0, 0.0, odometry._heading()), distance, turn)
+    assert odometry._change(left, right) == (arc.x, arc.y, turn)
