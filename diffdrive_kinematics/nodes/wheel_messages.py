@@ -21,7 +21,8 @@ from diffdrive_kinematics.core.encoders import Encoder, PositionTrack
 from diffdrive_kinematics.core.wheel_motion import Pair, WheelSample
 from diffdrive_kinematics.nodes.messages import check_stamp
 from diffdrive_kinematics.nodes.wheel_joints import WheelJoints
-from diffdrive_kinematics.nodes.wire import JointStateLayout, Layout, NANOSECONDS, Template
+from diffdrive_kinematics.nodes.wire import (
+    joint_names, JointStateLayout, Layout, NANOSECONDS, Template)
 from rclpy.serialization import deserialize_message
 from sensor_msgs.msg import JointState
 
@@ -200,11 +201,7 @@ class _JointStateTemplate(Template):
     def __init__(
             self, source: str, names: Sequence[str], with_positions: bool,
             with_rates: bool) -> None:
-        layout = Layout()
-        layout.header(source)
-        layout.numbers('I', [len(names)])
-        for name in names:
-            layout.text(name)
+        layout = joint_names(source, names)
         at = [layout.sequence('d', [0.0] * len(names) if present else [])
               for present in (with_positions, with_rates, False)]
         super().__init__(layout)

@@ -30,10 +30,12 @@ from typing import Any, Optional, Sequence, Tuple
 
 from sensor_msgs.msg import JointState
 
-__all__ = ['JointStateLayout', 'Layout', 'Template', 'read_stamped_twist', 'read_twist']
+__all__ = [
+    'JointStateLayout', 'Layout', 'Template', 'joint_names', 'read_stamped_twist', 'read_twist']
 
 HEADER = bytes((0, sys.byteorder == 'little', 0, 0))
 STAMP_AT = len(HEADER)
+AFTER_STAMP = 3  # values: those of the header of four bytes, of sec and of nanosec
 NANOSECONDS = 1_000_000_000
 TWIST_DOUBLES = 6
 _pack_stamp = struct.Struct('=iI').pack_into
@@ -100,6 +102,16 @@ class Template:
         return bytes(self._data)
 
 
+def joint_names(frame_id: str, names: Sequence[str]) -> Layout:
+    """Return the layout of a JointState up to its positions."""
+    layout = Layout()
+    layout.header(frame_id)
+    layout.numbers('I', [len(names)])
+    for name in names:
+        layout.text(name)
+    return layout
+
+
 class JointStateLayout:
     """
     Reads JointState messages that differ only in their stamp and numbers from one of them.
@@ -109,25 +121,21 @@ class JointStateLayout:
 
     def __init__(self, message: JointState) -> None:
         self.frame_id, self.names = message.header.frame_id, tuple(message.name)
-        layout = Layout()
-        layout.header(self.frame_id)
-        layout.numbers('I', [len(self.names)])
-        for name in self.names:
-            layout.text(name)
-        self._counts = len(message.position), len(message.velocity), len(message.effort)
-        n_position, n_velocity, n_effort = self._counts
-        at_position = len(layout.values) + 1
-        for numbers in (message.position, message.velocity, message.effort):
-            layout.sequence('d', numbers)
+        layout = joint_names(self.frame_id, self.names)
+        self._texts = slice(AFTER_STAMP, len(layout.values))
+        self._position, self._velocity, effort = (
+            self._sequence(layout, numbers)
+            for numbers in (message.position, message.velocity, message.effort))
+        self._known = tuple(layout.values)
+        self._counts = [each.start - 1 for each in (self._position, self._velocity, effort)]
         self._unpack = struct.Struct(layout.format).unpack_from
         self._size = layout.size
-        self._known = tuple(layout.values[3:at_position])
-        self._texts = slice(3, at_position)
-        self._position = slice(at_position, at_position + n_position)
-        at_velocity = at_position + n_position + 1
-        self._velocity = slice(at_velocity, at_velocity + n_velocity)
-        self._velocity_count = at_velocity - 1
-        self._effort_count = at_velocity + n_velocity
+
+    @staticmethod
+    def _sequence(layout: Layout, numbers: Sequence[float]) -> slice:
+        """Append a sequence of doubles; return which of the values they are."""
+        layout.sequence('d', numbers)
+        return slice(len(layout.values) - len(numbers), len(layout.values))
 
     def read(self, data: bytes) -> Optional[Tuple[int, int, Tuple[float, ...], Tuple[float, ...]]]:
         """
@@ -137,11 +145,12 @@ class JointStateLayout:
         """
         if len(data) < self._size:
             return None
-        fields = self._unpack(data)
-        if (fields[0] != HEADER or fields[self._texts] != self._known
-                or fields[self._velocity_count] != self._counts[1]
-                or fields[self._effort_count] != self._counts[2]):
+        fields, known = self._unpack(data), self._known
+        if fields[self._texts] != known[self._texts]:
             return None
+        for index in self._counts:
+            if fields[index] != known[index]:
+                return None
         return fields[1], fields[2], fields[self._position], fields[self._velocity]
 
 
