@@ -214,6 +214,21 @@ def test_a_known_layout_is_read_without_an_object(monkeypatch):
         2, (5.0, 6.0), (7.0, 8.0), 'me')
 
 
+def test_publishers_whose_messages_are_of_one_length_are_told_apart():
+    reader = WheelReader(WheelJoints((('l',), ('r',))))
+    for _ in range(2):
+        for source, names, velocity in (
+                ('a', ['l', 'r'], [1.0, 2.0]), ('b', ['l', 'r'], [3.0, 4.0]),
+                ('a', ['r', 'l'], [6.0, 5.0]), ('a', ['x', 'y'], [8.0, 9.0])):
+            message = JointState(name=names, velocity=velocity)
+            message.header.stamp.sec, message.header.frame_id = 1, source
+            sample = reader.read(bytes(serialize_message(message)), int)
+            if names == ['x', 'y']:
+                assert sample is None
+            else:
+                assert (sample.source, sample.rates) == (source, tuple(sorted(velocity)))
+
+
 def test_bytes_of_another_order_are_read_as_they_say():
     """Big-endian CDR, as some machine on the network may send it."""
     big = b'\0\0\0\0' + struct.pack('>6d', 1.0, 0.0, 0.0, 0.0, 0.0, 2.0)
