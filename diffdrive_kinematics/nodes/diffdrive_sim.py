@@ -15,28 +15,26 @@
 """``diffdrive_sim``: the nodes of the package in one process, on one executor."""
 
 from dataclasses import dataclass
+from importlib import import_module
 import sys
-from typing import Any, Dict, List, Mapping, Tuple
+from typing import Any, Dict, List, Mapping, Tuple, Type, TYPE_CHECKING
 
 from diffdrive_kinematics.nodes.clocks import SteadyTimers, SteppedClock
-from diffdrive_kinematics.nodes.command_sequence import CommandSequence
-from diffdrive_kinematics.nodes.diff_drive_controller import DiffDriveController
-from diffdrive_kinematics.nodes.forward_projection import ForwardProjection
 from diffdrive_kinematics.nodes.node import DiffDriveNode
 from diffdrive_kinematics.nodes.report import drift_table, progress_line, Robot
-from diffdrive_kinematics.nodes.robot_description import RobotDescription
 from diffdrive_kinematics.nodes.running import finish, make_executor, run, spin, Stop
 from diffdrive_kinematics.nodes.share import with_params_file
-from diffdrive_kinematics.nodes.simulated_base import SimulatedBase
 from diffdrive_kinematics.nodes.stepping import Stepper
 from diffdrive_kinematics.nodes.tables import DIFFDRIVE_SIM
 from diffdrive_kinematics.nodes.traffic import Traffic
-from diffdrive_kinematics.nodes.wheel_noise import WheelNoise
 
-CLASSES = {
-    'diff_drive_controller': DiffDriveController, 'wheel_noise': WheelNoise,
-    'simulated_base': SimulatedBase, 'command_sequence': CommandSequence,
-    'forward_projection': ForwardProjection, 'robot_description': RobotDescription}
+if TYPE_CHECKING:
+    from diffdrive_kinematics.nodes.command_sequence import CommandSequence
+
+CLASSES = {  # imported where they are composed: a robot of two nodes starts without the others
+    'diff_drive_controller': 'DiffDriveController', 'wheel_noise': 'WheelNoise',
+    'simulated_base': 'SimulatedBase', 'command_sequence': 'CommandSequence',
+    'forward_projection': 'ForwardProjection', 'robot_description': 'RobotDescription'}
 PROGRESS_LINES = 10
 REST_TIMEOUT_NS = 5_000_000_000
 
@@ -79,6 +77,10 @@ def _member(text: str) -> Member:
     return Member(kind, name, namespace)
 
 
+def _class(kind: str) -> Type[DiffDriveNode]:
+    return getattr(import_module(f'diffdrive_kinematics.nodes.{kind}'), CLASSES[kind])
+
+
 class DiffDriveSim(DiffDriveNode[Config]):
     """Makes the other nodes, and reports where the robot believes to be and where it is."""
 
@@ -89,18 +91,19 @@ class DiffDriveSim(DiffDriveNode[Config]):
         if self.config.clock_step_ns:
             shared = {'stepped': SteppedClock(), 'traffic': Traffic()}
         self.members: List[DiffDriveNode] = [
-            CLASSES[member.kind](member.name, namespace=member.namespace, **shared)
+            _class(member.kind)(member.name, namespace=member.namespace, **shared)
             for member in self.config.members]
         self.stepper = Stepper(
             self, self.members, step_ns=self.config.clock_step_ns,
             real_time_factor=self.config.real_time_factor,
             **shared) if self.config.clock_step_ns else None
-        self._sequences: List[CommandSequence] = self._of(CommandSequence)
+        self._sequences: 'List[CommandSequence]' = self._of('command_sequence')
         self._shown = -1
         self._rest_by_ns = 0
 
-    def _of(self, kind: type) -> List[Any]:
-        return [node for node in self.members if isinstance(node, kind)]
+    def _of(self, kind: str) -> List[Any]:
+        return [node for node, member in zip(self.members, self.config.members)
+                if member.kind == kind]
 
     def run(self, stop: Stop) -> None:
         """Run until the sequences are done and the robot rests, or until asked to stop."""
@@ -110,7 +113,8 @@ class DiffDriveSim(DiffDriveNode[Config]):
             if self.stepper:
                 self.stepper.spin(executor, self._finished, stop)
             else:
-                spin(executor, self._steady, self._finished, stop)
+                spin(executor, self._steady, self._finished, stop,
+                     urgent=any(node.urgent for node in self.members))
         finally:
             finish(self.members, executor)
 
@@ -122,10 +126,10 @@ class DiffDriveSim(DiffDriveNode[Config]):
         """Return the bases; one that is fed with noise, beside one that is not, is the truth."""
         noisy = {
             node.resolve_topic_name(node.config.values['output_topic'])
-            for node in self._of(WheelNoise)}
+            for node in self._of('wheel_noise')}
         bases = [
             (base, base.resolve_topic_name(base.config.values['wheel_motion_topic']) in noisy)
-            for base in self._of(SimulatedBase)]
+            for base in self._of('simulated_base')]
         with_truth = len({fed for _, fed in bases}) == 2
         return [
             Robot(base.get_fully_qualified_name(), 'truth' if fed and with_truth else 'belief',
@@ -142,9 +146,9 @@ class DiffDriveSim(DiffDriveNode[Config]):
         now_ns = course.now_ns()
         self._rest_by_ns = self._rest_by_ns or now_ns + REST_TIMEOUT_NS
         return now_ns > self._rest_by_ns or all(
-            base.reading().rates == (0.0, 0.0) for base in self._of(SimulatedBase))
+            base.reading().rates == (0.0, 0.0) for base in self._of('simulated_base'))
 
-    def _show_progress(self, course: CommandSequence) -> None:
+    def _show_progress(self, course: 'CommandSequence') -> None:
         shown = int(PROGRESS_LINES * course.elapsed_s() / course.length_s)
         if course.begun() and shown != self._shown and shown <= PROGRESS_LINES:
             self._shown = shown
@@ -154,7 +158,7 @@ class DiffDriveSim(DiffDriveNode[Config]):
         """Say how to drive where nothing in this process does."""
         if self._sequences:
             return
-        for node in self._of(DiffDriveController):
+        for node in self._of('diff_drive_controller'):
             self.get_logger().info(
                 f"publish {node.command_type()} on '{node.command_topic()}' to drive; Ctrl-C "
                 'ends')

@@ -93,6 +93,7 @@ class DiffDriveNode(Node, Generic[Config]):
             stepped: Optional[SteppedClock] = None, traffic: Optional[Traffic] = None,
             timers: Optional[SteadyTimers] = None) -> None:
         self._polled: Set[Subscription] = set()
+        self.urgent = False  # whether something comes that cannot wait for the next look
         super().__init__(name, namespace=namespace or None)
         self._stepped = stepped
         self._traffic = traffic
@@ -138,6 +139,7 @@ class DiffDriveNode(Node, Generic[Config]):
         """
         if self._beat:
             return self._beat.create_timer(period_ns(rate), callback)
+        self.urgent = True
         clock = self.time_clock
         if not clock.ros_time_is_active:
             clock = Clock(clock_type=ClockType.STEADY_TIME)
@@ -178,15 +180,18 @@ class DiffDriveNode(Node, Generic[Config]):
 
     def subscribe(
             self, message_type: type, topic: str, callback: Callable[[Any], None], *,
-            raw: bool = False, best_effort: bool = False) -> Subscription:
+            raw: bool = False, best_effort: bool = False, urgent: bool = True) -> Subscription:
         """
         Return a reliable subscription; ``raw`` hands the callback serialised messages.
+
+        What is not ``urgent`` may wait for some hundredths of a second (see ``running.spin``).
 
         With ``best_effort`` it hears publishers of either kind: trackers offer no more than that.
 
         A ``ValueError`` of the callback refuses the message: it is counted and reported, and
         the node lives on.
         """
+        self.urgent = self.urgent or urgent
         guarded = self._guarded(topic, callback)
         if self._traffic:
             guarded = self._traffic.counted(self.resolve_topic_name(topic), guarded)

@@ -23,6 +23,7 @@ callbacks.  Where it is missing, SingleThreadedExecutor takes its place.
 import gc
 import signal
 import sys
+import time
 from typing import Callable, Iterable, List, Optional
 
 from diffdrive_kinematics.nodes.clocks import SteadyTimers
@@ -38,6 +39,7 @@ from rclpy.signals import SignalHandlerOptions
 __all__ = ['Stop', 'finish', 'main_of', 'make_executor', 'run', 'spin', 'spin_node']
 
 SPIN_TIMEOUT_S = 0.1
+ASK_PERIOD_S = 0.05
 CONFIGURATION_ERROR = 2
 SIGNALS = (signal.SIGINT, signal.SIGTERM)
 
@@ -85,14 +87,27 @@ def make_executor(nodes: Iterable[DiffDriveNode], kind: str = 'auto') -> Executo
 
 
 def spin(
-        executor: Executor, timers: SteadyTimers, finished: Callable[[], bool],
-        stop: Stop) -> None:
-    """Spin, and fire timers, until finished or asked to stop."""
+        executor: Executor, timers: SteadyTimers, finished: Callable[[], bool], stop: Stop, *,
+        urgent: bool = True) -> None:
+    """
+    Spin, and fire timers, until finished or asked to stop.
+
+    Where nothing is ``urgent``, the time until a timer is due is slept away, which costs less
+    than to wait in the executor; it is asked a few times a second, and until it has nothing more
+    to do.
+    """
     gc.freeze()  # what start-up made stays: nothing is gained by looking at it again and again
     spin_once, seconds_left, fire_due = executor.spin_once, timers.seconds_left, timers.fire_due
+    monotonic, ask_at = time.monotonic, 0.0
     with Awake(executor):
         while not stop and not finished():
-            spin_once(timeout_sec=seconds_left(SPIN_TIMEOUT_S))
+            now, left = monotonic(), seconds_left(SPIN_TIMEOUT_S)
+            if urgent or now >= ask_at:
+                spin_once(timeout_sec=left)
+                if monotonic() >= now + left:
+                    ask_at = now + ASK_PERIOD_S
+            else:
+                time.sleep(min(left, ask_at - now))
             fire_due()
 
 
@@ -132,7 +147,7 @@ def spin_node(node: DiffDriveNode, timers: SteadyTimers, stop: Stop) -> None:
     """Spin one node until it is done or asked to stop, and let it say its last word."""
     executor = make_executor([node], node.parameters.values['executor'])
     try:
-        spin(executor, timers, lambda: node.done, stop)
+        spin(executor, timers, lambda: node.done, stop, urgent=node.urgent)
     finally:
         finish([node], executor)
 

@@ -107,6 +107,9 @@ class SimulatedBase(DiffDriveNode[Config]):
         encoder = Encoder(values['encoder_range'], values['encoder_resolution'])
         self._reader = WheelReader(
             joints, positions=values['position_feedback'], encoder_range=encoder.period)
+        self._wheel_motion = self.poll(  # first, since it takes longest: others have to find it
+            JointState, values['wheel_motion_topic'], self._on_wheels)
+        self._wheel_motion.promise(values['publish_rate'])
         pose, covariance = _start(values)
         self._odometry = core.Odometry.starting_at(
             pose, geometry=self.config.geometry, timeout_ns=self.config.timeout_ns,
@@ -131,12 +134,9 @@ class SimulatedBase(DiffDriveNode[Config]):
             self.subscribe(Odometry, values['belief_topic'], self._on_belief)
         self._path = PathPublisher(
             self, values, self._message.frame_id) if values['path_topic'] else None
-        self._wheel_motion = self.poll(
-            JointState, values['wheel_motion_topic'], self._on_wheels)
-        self._wheel_motion.promise(values['publish_rate'])
         topic = values['set_pose_topic']
         if topic:
-            self.subscribe(PoseWithCovarianceStamped, topic, self._on_pose)
+            self.subscribe(PoseWithCovarianceStamped, topic, self._on_pose, urgent=False)
         self.serve(Trigger, '~/reset', self._on_reset)
         self._timer = self.every(values['publish_rate'], self._tick)
         self.parameters.on_change(self._configure)
