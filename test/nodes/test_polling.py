@@ -23,15 +23,17 @@ from diffdrive_kinematics.nodes.polling import QUEUE_DEPTH
 from diffdrive_kinematics.nodes.running import make_executor
 from diffdrive_kinematics.nodes.simulated_base import SimulatedBase
 from domain_coordinator import domain_id
-from graph import arguments, KHEPERA
+from graph import arguments, KHEPERA, set_stamp
 import pytest
 import rclpy
+from rclpy.parameter import Parameter
 from rclpy.signals import SignalHandlerOptions
 from sensor_msgs.msg import JointState
 
 pytestmark = pytest.mark.ros
 DEADLINE_S = 10.0
 JOINTS = ['left_wheel_joint', 'right_wheel_joint']
+RARELY = 0.01  # [Hz]: no tick while a test runs
 OVERRIDE = 'qos_overrides./wheel_rates.subscription.'
 
 
@@ -39,14 +41,19 @@ class Base:
     """A base whose timers nobody fires, its executor, and a publisher of wheel motion."""
 
     def __init__(self):
-        self.node = SimulatedBase(timers=SteadyTimers())
-        self._executor = make_executor([self.node])
+        self.timers = SteadyTimers()
+        self.node = SimulatedBase(timers=self.timers)
         self._helper = rclpy.create_node('wheels')
-        self._publisher = self._helper.create_publisher(JointState, 'wheel_rates', 10)
-        self.spin_until(lambda: self._publisher.get_subscription_count(), 'the base to listen')
+        self._executor = make_executor([self.node, self._helper])
+        self._publisher = self._helper.create_publisher(JointState, 'wheel_rates', 100)
+        self.heard = []  # by somebody else
+        self._helper.create_subscription(JointState, 'wheel_rates', self.heard.append, 100)
+        self.spin_until(lambda: self._publisher.get_subscription_count() == 2, 'the listeners')
 
-    def publish(self, left, right):
-        self._publisher.publish(JointState(name=JOINTS, velocity=[left, right]))
+    def publish(self, left, right, stamp_ns=0):
+        message = JointState(name=JOINTS, velocity=[left, right])
+        set_stamp(message, stamp_ns)
+        self._publisher.publish(message)
 
     def spin_until(self, condition, what):
         deadline = time.monotonic() + DEADLINE_S
@@ -82,6 +89,36 @@ def assert_hears_as_it_comes(base):
         base.spin_until(lambda count=count: base.node.heard.count == count, f'message {count}')
 
 
+def test_what_comes_between_ticks_that_are_rare_is_all_taken():
+    """Without positions each lost message would be seen in the angle."""
+    with base_with({'publish_rate': 10.0, 'command_timeout': 0.0}) as base:
+        base.node.set_parameters([Parameter('publish_rate', value=RARELY)])
+        start, rolled = time.time_ns() - 10**9, 0.0
+        for number in range(90):
+            base.publish(float(number), -1.0, start + number * 10**6)
+            rolled += number * 1e-3
+        deadline = time.monotonic() + DEADLINE_S
+        while base.node.heard.count < 90:
+            assert time.monotonic() < deadline
+            base.timers.fire_due()
+        assert base.node.sent == 0  # no tick has taken them
+        reading = base.node._odometry.at(start + 90 * 10**6)
+        assert reading.angles == pytest.approx((rolled, -0.09), rel=1e-12)
+
+
+def test_without_a_stamp_wheel_motion_holds_from_when_it_came_not_from_when_it_was_looked_at():
+    with base_with({'publish_rate': RARELY, 'command_timeout': 0.0}) as base:
+        begun, heard_ns = time.time_ns(), []
+        for number in range(20):
+            base.publish(1.0 + number % 2, 1.0)
+            base.spin_until(lambda count=number + 1: len(base.heard) == count, 'the message')
+            heard_ns.append(time.time_ns())
+        base.node._wheel_motion.take()
+        assert base.node.heard.count == 20
+        least, most = heard_ns[-1] - heard_ns[0], time.time_ns() - begun
+        assert 0.5e-9 * least < base.node._odometry.right.value < 1e-9 * most
+
+
 def test_wheel_motion_is_heard_when_the_base_is_asked_where_it_is():
     with base_with({}) as base:
         base.publish(1.0, 2.0)
@@ -92,10 +129,12 @@ def test_wheel_motion_is_heard_when_the_base_is_asked_where_it_is():
 def test_a_queue_of_the_users_is_not_left_to_fill_until_the_next_tick(policy, value):
     with base_with({OVERRIDE + policy: value, 'publish_rate': 1.0}) as base:
         assert_hears_as_it_comes(base)
+        assert base.node.urgent
 
 
 def test_other_policies_leave_the_base_to_look_by_itself():
     with base_with({OVERRIDE + 'reliability': 'best_effort'}) as base:
+        assert not base.node.urgent
         assert not [each for each in base.node.subscriptions if each.topic_name == '/wheel_rates']
 
 

@@ -12,28 +12,25 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Wheel motion that the base looks at instead of being woken by it, and executors it runs on."""
+"""Executors: that of the package by parameter, those of other people, and a loop that sleeps."""
 
 from contextlib import contextmanager
 import time
 
-from diffdrive_kinematics.nodes.clocks import SteadyTimers
 from diffdrive_kinematics.nodes.running import make_executor
 from diffdrive_kinematics.nodes.simulated_base import SimulatedBase
 from domain_coordinator import domain_id
-from geometry_msgs.msg import Twist
+from geometry_msgs.msg import PoseWithCovarianceStamped, Twist
 from graph import arguments, KHEPERA, set_stamp, stamp_ns, twist
 from nav_msgs.msg import Odometry
 import pytest
 import rclpy
-from rclpy.executors import SingleThreadedExecutor
-from rclpy.parameter import Parameter
 from rclpy.signals import SignalHandlerOptions
 from sensor_msgs.msg import JointState
+from std_srvs.srv import Trigger
 
 JOINTS = ['left_wheel_joint', 'right_wheel_joint']
 DEADLINE_S = 30.0
-RARELY = 0.01  # [Hz]: no tick while a test runs
 
 
 def wheel_rates(stamp, left, right):
@@ -50,13 +47,13 @@ def wait_for(condition, turn):
 
 
 @contextmanager
-def base_in_this_process(parameters, timers):
-    """Yield a base, and a publisher of wheel rates that it hears."""
+def base_in_this_process(parameters):
+    """Yield a base without timers of its own, and a publisher of wheel rates that it hears."""
     with domain_id() as domain:
         rclpy.init(args=arguments({**KHEPERA, 'enable_odom_tf': False, **parameters}),
                    domain_id=int(domain), signal_handler_options=SignalHandlerOptions.NO)
         try:
-            base, other = SimulatedBase(timers=timers), rclpy.create_node(
+            base, other = SimulatedBase(), rclpy.create_node(
                 'other', start_parameter_services=False)
             publisher = other.create_publisher(JointState, 'wheel_rates', 100)
             wait_for(publisher.get_subscription_count, lambda: None)
@@ -67,45 +64,9 @@ def base_in_this_process(parameters, timers):
             rclpy.try_shutdown()
 
 
-def test_what_comes_between_ticks_that_are_rare_is_all_taken():
-    """Without positions each lost message would be seen in the angle."""
-    timers = SteadyTimers()
-    with base_in_this_process(
-            {'publish_rate': 10.0, 'command_timeout': 0.0}, timers) as (base, _, publisher):
-        base.set_parameters([Parameter('publish_rate', value=RARELY)])
-        start, rolled = time.time_ns() - 10**9, 0.0
-        for number in range(90):
-            publisher.publish(wheel_rates(start + number * 10**6, float(number), -1.0))
-            rolled += number * 1e-3
-        wait_for(lambda: base.heard.count == 90, timers.fire_due)
-        assert base.sent == 0  # no tick has taken them
-        reading = base._odometry.at(start + 90 * 10**6)
-        assert reading.angles == pytest.approx((rolled, -0.09), rel=1e-12)
-
-
-def test_without_a_stamp_wheel_motion_holds_from_when_it_came_not_from_when_it_was_looked_at():
-    parameters = {'publish_rate': RARELY, 'command_timeout': 0.0}
-    with base_in_this_process(parameters, SteadyTimers()) as (base, other, publisher):
-        heard = []
-        other.create_subscription(JointState, 'wheel_rates', heard.append, 100)
-        executor = SingleThreadedExecutor()
-        executor.add_node(other)
-        begun, heard_ns = time.time_ns(), []
-        for number in range(20):
-            publisher.publish(wheel_rates(0, 1.0 + number % 2, 1.0))
-            wait_for(lambda: len(heard) == number + 1, lambda: executor.spin_once(0.05))
-            heard_ns.append(time.time_ns())
-        base._wheel_motion.take()
-        odometry = base._odometry
-        assert base.heard.count == 20
-        assert begun <= odometry.motion.anchor_ns <= time.time_ns()
-        least, most = heard_ns[-1] - heard_ns[0], time.time_ns() - begun
-        assert 0.5e-9 * least < odometry.right.value < 1e-9 * most
-
-
 @pytest.mark.parametrize('kind', ['single_threaded', 'auto'])
 def test_a_base_works_in_an_executor_that_knows_nothing_of_its_timers(kind):
-    with base_in_this_process({'command_timeout': 0.0}, None) as (base, other, publisher):
+    with base_in_this_process({'command_timeout': 0.0}) as (base, other, publisher):
         odometry = []
         listener = make_executor([other], kind)
         other.create_subscription(Odometry, 'odom', odometry.append, 10)
@@ -152,3 +113,23 @@ def test_an_executor_that_there_is_not_is_refused(graph):
     base = graph.start('simulated_base', {**KHEPERA, 'executor': 'multi_threaded'})
     assert graph.wait_for(lambda: not base.running, 'the end') and base.wait() == 2
     assert "executor is 'multi_threaded', expected one of 'auto'" in base.output
+
+
+def test_a_base_that_sleeps_between_its_ticks_is_there_for_whoever_asks(graph):
+    """Nothing of it is urgent: what comes waits for some hundredths of a second, and is heard."""
+    graph.start('simulated_base', {
+        **KHEPERA, 'enable_odom_tf': False, 'publish_rate': 200.0, 'command_timeout': 0.0})
+    odometry = graph.collect(Odometry, 'odom')
+    graph.publisher(JointState, 'wheel_rates').publish(wheel_rates(graph.now_ns(), 1.0, 1.0))
+    poses = graph.publisher(PoseWithCovarianceStamped, 'set_pose')
+    graph.wait_for(lambda: odometry, 'odometry')
+    for number in range(1, 8):
+        message = PoseWithCovarianceStamped()
+        message.header.frame_id = 'odom'
+        message.pose.pose.position.x, message.pose.pose.orientation.w = float(number), 1.0
+        poses.publish(message)
+        graph.wait_for(
+            lambda x=number: odometry[-1].pose.pose.position.x == x, 'the pose that was set')
+    for _ in range(5):
+        assert graph.call(Trigger, 'simulated_base/reset', Trigger.Request()).success
+    graph.wait_for(lambda: odometry[-1].pose.pose.position.x == 0.0, 'the start')
