@@ -184,7 +184,7 @@ class DiffDriveNode(Node, Generic[Config]):
         """
         Return a reliable subscription; ``raw`` hands the callback serialised messages.
 
-        What is not ``urgent`` may wait for some hundredths of a second (see ``running.spin``).
+        What is not ``urgent`` may wait for a tenth of a second (see ``running.spin``).
 
         With ``best_effort`` it hears publishers of either kind: trackers offer no more than that.
 

@@ -39,7 +39,7 @@ from rclpy.signals import SignalHandlerOptions
 __all__ = ['Stop', 'finish', 'main_of', 'make_executor', 'run', 'spin', 'spin_node']
 
 SPIN_TIMEOUT_S = 0.1
-ASK_PERIOD_S = 0.05
+ASK_PERIOD_S = 0.1
 CONFIGURATION_ERROR = 2
 SIGNALS = (signal.SIGINT, signal.SIGTERM)
 
@@ -93,7 +93,7 @@ def spin(
     Spin, and fire timers, until finished or asked to stop.
 
     Where nothing is ``urgent``, the time until a timer is due is slept away, which costs less
-    than to wait in the executor; it is asked a few times a second, and until it has nothing more
+    than to wait in the executor; it is asked ten times a second, and until it has nothing more
     to do.
     """
     gc.freeze()  # what start-up made stays: nothing is gained by looking at it again and again
