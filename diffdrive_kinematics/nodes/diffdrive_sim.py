@@ -24,7 +24,6 @@ from diffdrive_kinematics.nodes.node import DiffDriveNode
 from diffdrive_kinematics.nodes.report import drift_table, progress_line, Robot
 from diffdrive_kinematics.nodes.running import finish, make_executor, run, spin, Stop
 from diffdrive_kinematics.nodes.share import with_params_file
-from diffdrive_kinematics.nodes.stepping import Stepper
 from diffdrive_kinematics.nodes.tables import DIFFDRIVE_SIM
 from diffdrive_kinematics.nodes.traffic import Traffic
 
@@ -93,10 +92,12 @@ class DiffDriveSim(DiffDriveNode[Config]):
         self.members: List[DiffDriveNode] = [
             _class(member.kind)(member.name, namespace=member.namespace, **shared)
             for member in self.config.members]
-        self.stepper = Stepper(
-            self, self.members, step_ns=self.config.clock_step_ns,
-            real_time_factor=self.config.real_time_factor,
-            **shared) if self.config.clock_step_ns else None
+        self.stepper: Any = None
+        if self.config.clock_step_ns:
+            from diffdrive_kinematics.nodes.stepping import Stepper
+            self.stepper = Stepper(
+                self, self.members, step_ns=self.config.clock_step_ns,
+                real_time_factor=self.config.real_time_factor, **shared)
         self._sequences: 'List[CommandSequence]' = self._of('command_sequence')
         self._shown = -1
         self._rest_by_ns = 0
