@@ -31,6 +31,7 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.qos import QoSProfile
 
 DEADLINE_S = 90.0
+ANSWER_S = 10.0
 START = 'from diffdrive_kinematics.executables import {0}; {0}()'  # what the scripts do
 DEEP = QoSProfile(depth=100_000)
 KHEPERA = {'wheel_radius': 0.021, 'wheel_separation': 0.0885}
@@ -160,11 +161,25 @@ class Graph:
         return self.node.get_clock().now().nanoseconds
 
     def call(self, service_type, name, request):
-        """Call a service and return the response."""
+        """
+        Call a service and return the response.
+
+        An answer that is sent before the server has found the client's reader is lost (rmw says
+        "client will not receive response"), so it is asked for again.
+        """
         client = self.node.create_client(service_type, name)
         self.wait_for(client.service_is_ready, f'service {name}')
-        future = client.call_async(request)
-        self.wait_for(future.done, f'answer of {name}')
+        ask_again_at = 0.0
+
+        def answered():
+            nonlocal future, ask_again_at
+            if time.monotonic() > ask_again_at:
+                ask_again_at = time.monotonic() + ANSWER_S
+                future = client.call_async(request)
+            return future.done()
+
+        future = None
+        self.wait_for(answered, f'answer of {name}')
         return future.result()
 
 
