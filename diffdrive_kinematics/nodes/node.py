@@ -360,9 +360,11 @@ class DiffDriveNode(Node, Generic[Config]):
         publishers = self.last_word()
         if self._stepped:
             return
-        for _ in range(UNACKNOWLEDGED_WORDS - 1 if self._any_best_effort(publishers) else 0):
-            time.sleep(LAST_WORD_PERIOD.nanoseconds / 1e9)
-            self.last_word()
+        if self._any_best_effort(publishers):
+            for _ in range(UNACKNOWLEDGED_WORDS - 1):
+                time.sleep(LAST_WORD_PERIOD.nanoseconds / 1e9)
+                self.last_word()
+            time.sleep(LAST_WORD_PERIOD.nanoseconds / 1e9)  # the last of them has to arrive, too
         for _ in range(max(map(_words_to_fill, publishers), default=0)):
             if all(publisher.wait_for_all_acked(LAST_WORD_PERIOD) for publisher in publishers):
                 return

@@ -103,6 +103,8 @@ def test_a_robot_drives_and_stops_on_every_executor(graph, executor, tmp_path):
     commands.publish(twist(0.1, 0.0))
     graph.wait_for(lambda: odometry[-1].twist.twist.linear.x == pytest.approx(0.1), 'driving')
     graph.wait_for(lambda: odometry[-1].twist.twist.linear.x == 0.0, 'standing')
+    graph.wait_for(lambda: rates[-1].velocity[0] == 0.0 and any(
+        message.velocity[0] for message in rates), 'the rates to be heard, too')
     moving = [message for message in rates if message.velocity[0] > 0.0]
     stop = next(message for message in rates if stamp_ns(message) > stamp_ns(moving[-1]))
     assert stamp_ns(stop) - stamp_ns(moving[0]) == 200_000_000
