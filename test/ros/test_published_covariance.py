@@ -195,6 +195,7 @@ def test_belief_is_consistent_with_truth_over_50_runs_of_the_nodes(graph, tmp_pa
         'diffdrive_sim',
         args=['--ros-args', '--params-file', str(params_file(tmp_path / 'runs.yaml'))])
     graph.wait_for(lambda: len(last) == len(topics) or not sim.running, 'odometry of all')
+    graph.wait_for(go.get_subscription_count, 'the sequence to listen')
     go.publish(Empty())
     graph.wait_for(lambda: not sim.running, 'the course to end')
     assert sim.wait() == 0, sim.output
