@@ -18,7 +18,7 @@ import math
 from typing import Any, Deque, Mapping, Optional, TYPE_CHECKING
 
 from diffdrive_kinematics.core.arc import Pose
-from diffdrive_kinematics.nodes.messages import set_stamp
+from diffdrive_kinematics.nodes.messages import quaternion_of, set_stamp
 from geometry_msgs.msg import PoseStamped
 from nav_msgs.msg import Path
 
@@ -69,8 +69,7 @@ class PathPublisher:
         stamped.header.frame_id = self._message.header.frame_id
         set_stamp(stamped.header.stamp, time_ns)
         stamped.pose.position.x, stamped.pose.position.y = float(pose.x), float(pose.y)
-        stamped.pose.orientation.z = math.sin(0.5 * pose.theta)
-        stamped.pose.orientation.w = math.cos(0.5 * pose.theta)
+        stamped.pose.orientation.z, stamped.pose.orientation.w = quaternion_of(pose.theta)
         self._poses.append(stamped)
         set_stamp(self._message.header.stamp, time_ns)
         self._told_to = 0

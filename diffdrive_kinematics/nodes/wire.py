@@ -28,6 +28,7 @@ import struct
 import sys
 from typing import Any, Optional, Sequence, Tuple
 
+from diffdrive_kinematics.nodes.clocks import NANOSECONDS
 from sensor_msgs.msg import JointState
 
 __all__ = [
@@ -36,7 +37,6 @@ __all__ = [
 HEADER = bytes((0, sys.byteorder == 'little', 0, 0))
 STAMP_AT = len(HEADER)
 AFTER_STAMP = 3  # values: those of the header of four bytes, of sec and of nanosec
-NANOSECONDS = 1_000_000_000
 TWIST_DOUBLES = 6
 _pack_stamp = struct.Struct('=iI').pack_into
 _read_twist = struct.Struct('=d32xd').unpack_from  # linear.x and angular.z

@@ -22,12 +22,11 @@ from diffdrive_kinematics.nodes.clocks import SteadyTimers
 from diffdrive_kinematics.nodes.polling import QUEUE_DEPTH
 from diffdrive_kinematics.nodes.running import make_executor
 from diffdrive_kinematics.nodes.simulated_base import SimulatedBase
-from domain_coordinator import domain_id
-from graph import arguments, KHEPERA, set_stamp
+from graph import KHEPERA, set_stamp
+from inside import initialised
 import pytest
 import rclpy
 from rclpy.parameter import Parameter
-from rclpy.signals import SignalHandlerOptions
 from sensor_msgs.msg import JointState
 
 pytestmark = pytest.mark.ros
@@ -69,17 +68,12 @@ class Base:
 
 @contextmanager
 def base_with(parameters):
-    with domain_id() as domain:
-        rclpy.init(args=arguments({**KHEPERA, 'enable_odom_tf': False, **parameters}),
-                   domain_id=int(domain), signal_handler_options=SignalHandlerOptions.NO)
+    with initialised({**KHEPERA, 'enable_odom_tf': False, **parameters}):
+        base = Base()
         try:
-            base = Base()
-            try:
-                yield base
-            finally:
-                base.close()
+            yield base
         finally:
-            rclpy.try_shutdown()
+            base.close()
 
 
 def assert_hears_as_it_comes(base):

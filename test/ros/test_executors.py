@@ -19,13 +19,12 @@ import time
 
 from diffdrive_kinematics.nodes.running import make_executor
 from diffdrive_kinematics.nodes.simulated_base import SimulatedBase
-from domain_coordinator import domain_id
 from geometry_msgs.msg import PoseWithCovarianceStamped, Twist
-from graph import arguments, KHEPERA, set_stamp, stamp_ns, twist
+from graph import KHEPERA, set_stamp, stamp_ns, twist
+from inside import initialised
 from nav_msgs.msg import Odometry
 import pytest
 import rclpy
-from rclpy.signals import SignalHandlerOptions
 from sensor_msgs.msg import JointState
 from std_srvs.srv import Trigger
 
@@ -49,19 +48,14 @@ def wait_for(condition, turn):
 @contextmanager
 def base_in_this_process(parameters):
     """Yield a base without timers of its own, and a publisher of wheel rates that it hears."""
-    with domain_id() as domain:
-        rclpy.init(args=arguments({**KHEPERA, 'enable_odom_tf': False, **parameters}),
-                   domain_id=int(domain), signal_handler_options=SignalHandlerOptions.NO)
-        try:
-            base, other = SimulatedBase(), rclpy.create_node(
-                'other', start_parameter_services=False)
-            publisher = other.create_publisher(JointState, 'wheel_rates', 100)
-            wait_for(publisher.get_subscription_count, lambda: None)
-            yield base, other, publisher
-            base.destroy_node()
-            other.destroy_node()
-        finally:
-            rclpy.try_shutdown()
+    with initialised({**KHEPERA, 'enable_odom_tf': False, **parameters}):
+        base, other = SimulatedBase(), rclpy.create_node(
+            'other', start_parameter_services=False)
+        publisher = other.create_publisher(JointState, 'wheel_rates', 100)
+        wait_for(publisher.get_subscription_count, lambda: None)
+        yield base, other, publisher
+        base.destroy_node()
+        other.destroy_node()
 
 
 @pytest.mark.parametrize('kind', ['single_threaded', 'auto'])

@@ -72,17 +72,24 @@ class Inside:
 
 
 @contextmanager
-def inside(make, parameters=None, *, name=None, args=None):
-    """Yield a node in a context and a domain of its own."""
+def initialised(parameters=None, args=None):
+    """Have rclpy in this process, in a domain of its own."""
     with domain_id() as domain:
         rclpy.init(
             args=arguments(parameters or {}) if args is None else args, domain_id=int(domain),
             signal_handler_options=SignalHandlerOptions.NO)
         try:
-            held = Inside(make, name)
-            try:
-                yield held
-            finally:
-                held.node.destroy_node()
+            yield
         finally:
             rclpy.try_shutdown()
+
+
+@contextmanager
+def inside(make, parameters=None, *, name=None, args=None):
+    """Yield a node in a context and a domain of its own."""
+    with initialised(parameters, args):
+        held = Inside(make, name)
+        try:
+            yield held
+        finally:
+            held.node.destroy_node()
