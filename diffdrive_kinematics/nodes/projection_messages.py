@@ -14,9 +14,8 @@
 
 """Messages about where a robot may be: samples of its pose, and the boundary of all of them."""
 
-import math
-
 from diffdrive_kinematics.core.arc import Pose
+from diffdrive_kinematics.nodes.messages import quaternion_of
 from geometry_msgs.msg import Point32, PolygonStamped, Pose as PoseMsg, PoseArray
 import numpy as np
 from numpy.typing import NDArray
@@ -40,7 +39,7 @@ class PosesMessage:
         for pose, x, y, theta in zip(
                 self.message.poses, poses.x.tolist(), poses.y.tolist(), poses.theta.tolist()):
             pose.position.x, pose.position.y = x, y
-            pose.orientation.z, pose.orientation.w = math.sin(0.5 * theta), math.cos(0.5 * theta)
+            pose.orientation.z, pose.orientation.w = quaternion_of(theta)
         return self.message
 
 
