@@ -25,7 +25,7 @@ from diffdrive_kinematics.nodes.calibration_sources import (
     Collection, motion_of, read_segments, read_square_runs)
 from diffdrive_kinematics.nodes.clocks import SteadyTimers
 from diffdrive_kinematics.nodes.from_values import check_sides, wheel_geometry
-from diffdrive_kinematics.nodes.node import DiffDriveNode
+from diffdrive_kinematics.nodes.node import DiffDriveNode, HEARTBEAT_S
 from diffdrive_kinematics.nodes.parameters import ConfigurationError
 from diffdrive_kinematics.nodes.running import run, spin_node, Stop
 from diffdrive_kinematics.nodes.tables import CALIBRATE
@@ -33,10 +33,13 @@ from diffdrive_kinematics.nodes.wheel_joints import wheel_joints
 from diffdrive_kinematics.nodes.wheel_messages import WheelReader
 from geometry_msgs.msg import PoseStamped
 from nav_msgs.msg import Odometry
+from rclpy.clock import Clock
+from rclpy.clock_type import ClockType
 from sensor_msgs.msg import JointState
 from std_srvs.srv import Trigger
 
-PROGRESS_RATE, FAREWELL_RATE = 0.5, 2.0
+PROGRESS_RATE = 0.5
+FAREWELL_S = HEARTBEAT_S + 1.0  # DDS can take that long to deliver the answer
 MISSING = (
     "picture needs matplotlib, which is missing: pip install 'diffdrive_kinematics[plot]' or "
     'apt install python3-matplotlib')
@@ -110,6 +113,7 @@ class Calibrate(DiffDriveNode[Config]):
     def _on_finish(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
         values, geometry = self.config.values, self.config.geometry
         if self._written:  # asked again before the end: the answer stays
+            self._farewell.reset()
             response.success, response.message = True, self._written
             return response
         self.get_logger().info(f'calibrating {self.collection.summary(geometry)}')
@@ -122,7 +126,8 @@ class Calibrate(DiffDriveNode[Config]):
             self.get_logger().error(f'cannot finish: {response.message}')
             return response
         response.success = True
-        self.every(FAREWELL_RATE, self._end)  # the answer has to get through first
+        self._farewell = self.create_timer(  # not of simulated time, which may stand still
+            FAREWELL_S, self._end, clock=Clock(clock_type=ClockType.STEADY_TIME))
         return response
 
     def _end(self) -> None:

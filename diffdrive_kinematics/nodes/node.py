@@ -41,7 +41,7 @@ from rclpy.service import Service
 from rclpy.subscription import Subscription
 from rclpy.utilities import get_rmw_implementation_identifier
 
-__all__ = ['DiffDriveNode']
+__all__ = ['DiffDriveNode', 'HEARTBEAT_S']
 
 Config = TypeVar('Config')
 QUEUE_DEPTH = 10

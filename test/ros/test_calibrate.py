@@ -30,6 +30,7 @@ import numpy as np
 import pytest
 from rclpy.qos import qos_profile_sensor_data
 from recorded import RADIUS, RUNS, SEPARATION, TICKS_PER_TURN
+from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState
 from std_srvs.srv import Trigger
 
@@ -181,12 +182,14 @@ def written_multipliers(text, node):
     return {name: float(re.search(rf'{name}: (\S+)', section)[1]) for name in TRUTH}
 
 
-@pytest.mark.parametrize('reference_type', ['odometry', 'pose'])
-def test_live_topics_are_collected_until_finish_is_called(graph, tmp_path, reference_type):
+@pytest.mark.parametrize('reference_type, use_sim_time', [
+    ('odometry', False), ('pose', False), ('pose', True)])
+def test_live_topics_are_collected_until_finish_is_called(
+        graph, tmp_path, reference_type, use_sim_time):
     written = tmp_path / 'found.yaml'
     calibrate = graph.start('calibrate', {
         **KHEPERA, 'output': str(written), 'reference_type': reference_type,
-        'reference_topic': 'tracker'})
+        'reference_topic': 'tracker', 'use_sim_time': use_sim_time})
     kind = Odometry if reference_type == 'odometry' else PoseStamped
     wheels = graph.publisher(JointState, 'joint_states')
     tracker = graph.publisher(kind, 'tracker')
@@ -194,6 +197,9 @@ def test_live_topics_are_collected_until_finish_is_called(graph, tmp_path, refer
     assert not too_early.success
     assert 'expected some' in too_early.message and 'still collecting' in too_early.message
     start = graph.now_ns()
+    if use_sim_time:
+        set_time = graph.publisher(Clock, '/clock').publish
+        set_time(Clock(clock=Time(sec=start // 10**9)))
     for time, (left, right), pose in drive_samples(40.0):
         joints = JointState(name=['right_wheel_joint', 'left_wheel_joint'],
                             position=[float(right), float(left)])
@@ -207,6 +213,8 @@ def test_live_topics_are_collected_until_finish_is_called(graph, tmp_path, refer
         wheels.publish(joints)
         tracker.publish(seen)
         graph.executor.spin_once(timeout_sec=0.002)
+    if use_sim_time:  # it passes once, and stands still from there on
+        set_time(Clock(clock=Time(sec=start // 10**9 + 40)))
     graph.wait_for(lambda: 'deg turned' in calibrate.output, 'a line of what there is')
     answer = graph.call(Trigger, 'calibrate/finish', Trigger.Request())
     assert answer.success, answer.message

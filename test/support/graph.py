@@ -115,6 +115,7 @@ class Graph:
         self.executor = SingleThreadedExecutor(context=self.context)
         self.executor.add_node(self.node)
         self.processes = []
+        self._clients = {}
 
     def start(self, name, parameters=None, *extra, args=None, cwd=None, environment=None):
         """Start an executable with parameters, or with ``args`` as they are."""
@@ -167,7 +168,9 @@ class Graph:
         An answer that is sent before the server has found the client's reader is lost (rmw says
         "client will not receive response"), so it is asked for again.
         """
-        client = self.node.create_client(service_type, name)
+        if name not in self._clients:
+            self._clients[name] = self.node.create_client(service_type, name)
+        client = self._clients[name]
         self.wait_for(client.service_is_ready, f'service {name}')
         ask_again_at = 0.0
 
