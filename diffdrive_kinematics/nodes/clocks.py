@@ -93,9 +93,15 @@ class Timers:
         return [timer for timer in self.timers if timer.next_ns <= now_ns]
 
     def fire(self, timer: Timer) -> None:
-        """Call a timer back; periods that were missed are skipped, as rcl does."""
-        missed = (self.now_ns() - timer.next_ns) // timer.timer_period_ns
-        timer.next_ns += (missed + 1) * timer.timer_period_ns
+        """
+        Call a timer back; periods that were missed are skipped, as rcl does.
+
+        One that another timer has cancelled or reset in the meantime is due no more.
+        """
+        late_ns = self.now_ns() - timer.next_ns
+        if late_ns < 0:
+            return
+        timer.next_ns += (late_ns // timer.timer_period_ns + 1) * timer.timer_period_ns
         timer.callback()
 
 

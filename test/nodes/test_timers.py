@@ -15,7 +15,7 @@
 """Timers that the loop of a process fires by itself."""
 
 from diffdrive_kinematics.nodes import clocks
-from diffdrive_kinematics.nodes.clocks import SteadyTimers
+from diffdrive_kinematics.nodes.clocks import SteadyTimers, SteppedClock, Timer
 from hypothesis import given, strategies as st
 import pytest
 
@@ -54,6 +54,21 @@ def test_a_timer_fires_a_period_apart_and_skips_what_it_has_missed(steady):
         timers.fire_due()
     assert fired == [first, first + 10 * MS + 5, first + 35 * MS]
     assert timer.next_ns == first + 40 * MS
+
+
+@pytest.mark.parametrize('change', [Timer.cancel, Timer.reset])
+def test_a_timer_that_another_one_of_its_step_cancels_or_resets_does_not_fire(change):
+    clock, fired = SteppedClock(), []
+    clock.create_timer(10 * MS, lambda: change(second))
+    second = clock.create_timer(5 * MS, lambda: fired.append(clock.now_ns()))
+    clock.advance_to(10 * MS)
+    for timer in clock.due():
+        clock.fire(timer)
+    assert fired == []
+    clock.advance_to(15 * MS)
+    for timer in clock.due():
+        clock.fire(timer)
+    assert fired == ([15 * MS] if change is Timer.reset else [])
 
 
 @given(st.lists(st.integers(1, 100 * MS), min_size=1, max_size=6))
