@@ -25,7 +25,8 @@ from diffdrive_kinematics.nodes.calibration_sources import (
     Collection, motion_of, read_segments, read_square_runs)
 from diffdrive_kinematics.nodes.clocks import SteadyTimers
 from diffdrive_kinematics.nodes.from_values import check_sides, wheel_geometry
-from diffdrive_kinematics.nodes.node import DiffDriveNode, HEARTBEAT_S
+from diffdrive_kinematics.nodes.last_word import HEARTBEAT_S
+from diffdrive_kinematics.nodes.node import DiffDriveNode
 from diffdrive_kinematics.nodes.parameters import ConfigurationError
 from diffdrive_kinematics.nodes.running import run, spin_node, Stop
 from diffdrive_kinematics.nodes.tables import CALIBRATE

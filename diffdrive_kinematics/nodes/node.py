@@ -25,6 +25,7 @@ from diffdrive_kinematics.nodes.clocks import (
     clock_ns, period_ns, SteadyTimers, SteppedClock, StepWatch, Timer, Timers)
 from diffdrive_kinematics.nodes.diagnostics import Diagnosis, Heard, Look, Reporter, TOPIC
 from diffdrive_kinematics.nodes.entries import Entry
+from diffdrive_kinematics.nodes.last_word import repeat_until_heard
 from diffdrive_kinematics.nodes.parameters import ConfigurationError, ParameterSet
 from diffdrive_kinematics.nodes.polling import Poll, QUEUE_DEPTH as POLLED_QUEUE_DEPTH
 from diffdrive_kinematics.nodes.qos import (
@@ -32,16 +33,15 @@ from diffdrive_kinematics.nodes.qos import (
 from diffdrive_kinematics.nodes.traffic import Traffic
 from rclpy.clock import Clock
 from rclpy.clock_type import ClockType
-from rclpy.duration import Duration
 from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
 from rclpy.publisher import Publisher
-from rclpy.qos import HistoryPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.qos import QoSProfile, ReliabilityPolicy
 from rclpy.service import Service
 from rclpy.subscription import Subscription
 from rclpy.utilities import get_rmw_implementation_identifier
 
-__all__ = ['DiffDriveNode', 'HEARTBEAT_S']
+__all__ = ['DiffDriveNode']
 
 Config = TypeVar('Config')
 QUEUE_DEPTH = 10
@@ -55,11 +55,8 @@ VERDICTS = {  # where it was seen, and what was done
     Verdict.JUMPED: ('positions', 'they count anew, max_encoder_rate is exceeded')}
 UNREADABLE = (ValueError, OverflowError, rclpy_implementation.RMWError)
 HARDWARE = 'robot'  # what a node without a namespace belongs to
-LAST_WORD_PERIOD = Duration(nanoseconds=20_000_000)
 # that of Cyclone DDS in Jazzy takes the time at which a message is taken for that of its arrival
 NOTES_ARRIVAL = ('rmw_fastrtps_cpp', 'rmw_fastrtps_dynamic_cpp', 'rmw_zenoh_cpp')
-UNACKNOWLEDGED_WORDS = 3  # how often the last word is said where nobody acknowledges
-HEARTBEAT_S = 3.0  # the longest that DDS waits before it asks for acknowledgement
 
 
 class DiffDriveNode(Node, Generic[Config]):
@@ -349,46 +346,12 @@ class DiffDriveNode(Node, Generic[Config]):
         return ()
 
     def close(self) -> None:
-        """
-        Say the last word, and see that it is heard; called once, while it still can be said.
-
-        A publisher that goes takes along what has not arrived.  DDS asks for acknowledgement at
-        its next heartbeat, up to 3 s later, or as soon as a queue is full: so the last word is
-        repeated until it is acknowledged, slowly enough to push nothing out of the reader's
-        queue.  Who listens best-effort never acknowledges: there it is said three times.
-        """
-        publishers = self.last_word()
+        """Say the last word, and see that it is heard; called once, while it still can be said."""
         if self._stepped:
-            return
-        if self._any_best_effort(publishers):
-            for _ in range(UNACKNOWLEDGED_WORDS - 1):
-                time.sleep(LAST_WORD_PERIOD.nanoseconds / 1e9)
-                self.last_word()
-            time.sleep(LAST_WORD_PERIOD.nanoseconds / 1e9)  # the last of them has to arrive, too
-        for _ in range(max(map(_words_to_fill, publishers), default=0)):
-            if all(publisher.wait_for_all_acked(LAST_WORD_PERIOD) for publisher in publishers):
-                return
             self.last_word()
-        if publishers:
-            self.get_logger().warning('the last word of this node was not acknowledged')
-
-    def _any_best_effort(self, publishers: Sequence[Publisher]) -> bool:
-        """Return whether anybody hears the publishers without acknowledgement."""
-        return any(
-            ReliabilityPolicy.BEST_EFFORT in (end.qos_profile.reliability for end in (
-                listener, *self.get_publishers_info_by_topic(publisher.topic_name)))
-            for publisher in publishers
-            for listener in self.get_subscriptions_info_by_topic(publisher.topic_name))
+        else:
+            repeat_until_heard(self, self.last_word)
 
 
 def _nobody(_: bytes) -> None:
     """Be the callback of a subscription that no executor calls back."""
-
-
-def _words_to_fill(publisher: Publisher) -> int:
-    """Return how many words fill the queue, or last until the heartbeat where that is sooner."""
-    profile = publisher.qos_profile
-    most = round(HEARTBEAT_S * 1e9) // LAST_WORD_PERIOD.nanoseconds + QUEUE_DEPTH
-    if profile.history is not HistoryPolicy.KEEP_LAST:
-        return most
-    return min(most, max(QUEUE_DEPTH, profile.depth))

@@ -1,0 +1,71 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""
+The last word of a node that goes, and that it is heard.
+
+A publisher that goes takes along what has not arrived.  DDS asks for acknowledgement at its next
+heartbeat, up to 3 s later, or as soon as a queue is full: so the last word is repeated until it is
+acknowledged, slowly enough to push nothing out of the reader's queue.  Who listens best-effort
+never acknowledges: there it is said three times.
+"""
+
+import time
+from typing import Callable, Sequence
+
+from rclpy.duration import Duration
+from rclpy.node import Node
+from rclpy.publisher import Publisher
+from rclpy.qos import HistoryPolicy, ReliabilityPolicy
+
+__all__ = ['HEARTBEAT_S', 'repeat_until_heard']
+
+HEARTBEAT_S = 3.0  # the longest that DDS waits before it asks for acknowledgement
+PERIOD_S = 0.02
+UNACKNOWLEDGED_WORDS = 3  # how often it is said where nobody acknowledges
+LEAST_WORDS = 10
+
+
+def repeat_until_heard(node: Node, say: Callable[[], Sequence[Publisher]]) -> None:
+    """Call ``say``, which publishes and returns the publishers used, until all have heard it."""
+    publishers = say()
+    if any(_heard_without_acknowledgement(node, publisher) for publisher in publishers):
+        for _ in range(UNACKNOWLEDGED_WORDS - 1):
+            time.sleep(PERIOD_S)
+            say()
+        time.sleep(PERIOD_S)  # the last of them has to arrive, too
+    period = Duration(seconds=PERIOD_S)
+    for _ in range(max(map(_words_to_fill, publishers), default=0)):
+        if all(publisher.wait_for_all_acked(period) for publisher in publishers):
+            return
+        say()
+    if publishers:
+        node.get_logger().warning('the last word of this node was not acknowledged')
+
+
+def _heard_without_acknowledgement(node: Node, publisher: Publisher) -> bool:
+    """Return whether anybody hears a publisher best-effort."""
+    return any(
+        end.qos_profile.reliability is ReliabilityPolicy.BEST_EFFORT
+        for listener in node.get_subscriptions_info_by_topic(publisher.topic_name)
+        for end in (listener, *node.get_publishers_info_by_topic(publisher.topic_name)))
+
+
+def _words_to_fill(publisher: Publisher) -> int:
+    """Return how many words fill the queue, or last until the heartbeat where that is sooner."""
+    profile = publisher.qos_profile
+    most = round(HEARTBEAT_S / PERIOD_S) + LEAST_WORDS
+    if profile.history is not HistoryPolicy.KEEP_LAST:
+        return most
+    return min(most, max(LEAST_WORDS, profile.depth))
