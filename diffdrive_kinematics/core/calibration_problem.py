@@ -32,8 +32,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 __all__ = [
-    'FRAME', 'WHEELS', 'Column', 'Problem', 'distances_of', 'newton_step', 'refuse_unidentified',
-    'sandwich', 'taken_by_fit']
+    'FRAME', 'SAME_DRIVE', 'WHEELS', 'Column', 'Problem', 'distances_of', 'newton_step',
+    'refuse_unidentified', 'sandwich', 'taken_by_fit']
 
 Array = NDArray[np.float64]
 Gain = Tuple[List[int], Array, Array]
@@ -48,6 +48,9 @@ LARGEST_ERROR = np.array([0.1, 0.1, 0.1, 0.05, 0.05, 0.2, 0.5, 0.1])
 """Standard error from which a field counts as not identified; frame x and y: in separations."""
 FINEST = Variances(1e-8, 1e-8, 1e-8)
 """Least slip and noise (0.1 mm, 0.1 mrad) with which identifiability is judged."""
+
+SAME_DRIVE = 'expected m and rad, the left wheel first, forward positive, and one time'
+"""What wheels and reference that do not agree may lack."""
 
 
 class Column(NamedTuple):
@@ -187,7 +190,7 @@ def refuse_unidentified(
                          for n in lost)
         raise ValueError(
             f'wheels and reference do not agree well enough to tell {said}, though the course '
-            'would: expected m and rad, the left wheel first, forward positive, and one time'
+            f'would: {SAME_DRIVE}'
             if fitted else
             f'the data do not identify {said}, expected drives with straights and curves both '
             f'ways, or these values given')

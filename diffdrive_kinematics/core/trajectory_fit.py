@@ -33,8 +33,8 @@ from typing import List, NamedTuple, Optional, Sequence, Tuple
 
 from diffdrive_kinematics.core.arc import Pose
 from diffdrive_kinematics.core.calibration_problem import (
-    Column, distances_of, FRAME, newton_step, Problem, refuse_unidentified, sandwich, taken_by_fit,
-    WHEELS)
+    Column, distances_of, FRAME, newton_step, Problem, refuse_unidentified, SAME_DRIVE,
+    sandwich, taken_by_fit, WHEELS)
 from diffdrive_kinematics.core.checks import check_finite, check_positive
 from diffdrive_kinematics.core.geometry import WheelGeometry
 from diffdrive_kinematics.core.recording import Segment
@@ -221,6 +221,17 @@ def fit_trajectory(
 
     """
     problem = _problem(geometry, segments, wheels, clock, frame, windows)
+    try:
+        with np.errstate(all='ignore'):  # what comes of it is judged
+            return _fitted(problem, wheels=wheels, mean_radius=mean_radius)
+    except np.linalg.LinAlgError as error:
+        raise ValueError(
+            f'wheels and reference do not agree well enough to be fitted ({error}): '
+            f'{SAME_DRIVE}') from error
+
+
+def _fitted(problem: Problem, *, wheels: bool, mean_radius: bool) -> TrajectoryFit:
+    """Return the fit; ``LinAlgError`` where the numbers leave all bounds."""
     state = _solved(problem)
     covariance = sandwich(problem, state.parts, state.weights, state.variances)
     if wheels and not mean_radius:
@@ -258,9 +269,9 @@ def _problem(
         columns.append(Column('delay', 6, None))
     elif clock is not Clock.NONE:
         for n in range(len(segments)):
-            columns.append(Column(f'offset of segment {n}', 6, n))
+            columns.append(Column(f'offset of segment {n + 1}', 6, n))
             if clock is Clock.DRIFTS:
-                columns.append(Column(f'drift of segment {n}', 7, n))
+                columns.append(Column(f'drift of segment {n + 1}', 7, n))
     if not columns:
         raise ValueError('wheels, frame and clock are all given, expected something to fit')
     held = [check_finite('frame', float(value)) for value in frame or NO_FRAME]
@@ -268,8 +279,8 @@ def _problem(
         wheel, seen = segment.time, segment.reference_time
         if seen[-1] <= wheel[0] or wheel[-1] <= seen[0]:
             raise ValueError(
-                f'segment {n} has wheels from {wheel[0]:.3f} to {wheel[-1]:.3f} s and a reference '
-                f'from {seen[0]:.3f} to {seen[-1]:.3f} s, expected stamps of the same time')
+                f'segment {n + 1} has wheels from {wheel[0]:.3f} to {wheel[-1]:.3f} s and a '
+                f'reference from {seen[0]:.3f} to {seen[-1]:.3f} s, expected stamps of the same time')
     chosen = tuple(windows_between(segment, windows.lengths, windows.every, windows.tolerance)
                    for segment in segments)
     number = sum(len(each.start) for each in chosen)

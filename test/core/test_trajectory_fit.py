@@ -145,7 +145,7 @@ def test_segments_have_clocks_of_their_own_or_share_a_delay():
 def test_what_is_given_is_held():
     truth = Truth(1.0, 1.0, 1.0)
     fit = fit_trajectory(GEOMETRY, [drive(0, truth)], wheels=False, frame=Pose(*truth[3:6]))
-    assert fit.names == ('offset of segment 0',)
+    assert fit.names == ('offset of segment 1',)
     assert fit.frame == Pose(*truth[3:6])
     assert fit.wheel_separation_multiplier == (1.0, 0.0)
     assert fit.before == fit.after
@@ -209,7 +209,7 @@ def test_what_a_course_does_not_tell_is_refused_by_name(twists, named, unnamed, 
 
 def test_a_constant_course_does_not_tell_the_time():
     steady = drive(0, twists=lambda time: np.tile([0.4, 0.5], (len(time), 1)))
-    with pytest.raises(ValueError, match='do not identify.*offset of segment 0'):
+    with pytest.raises(ValueError, match='do not identify.*offset of segment 1'):
         fit_trajectory(GEOMETRY, [steady])
 
 
@@ -277,7 +277,7 @@ def test_a_reference_of_another_time_is_named_as_such():
     whole = drive(1, Truth(), Disturbance())
     other = segment_from_positions(
         whole.time, whole.angles, whole.reference_time + 1e9, whole.reference)
-    with pytest.raises(ValueError, match='segment 1 .* expected stamps of the same time'):
+    with pytest.raises(ValueError, match='segment 2 .* expected stamps of the same time'):
         fit_trajectory(GEOMETRY, [whole, other])
 
 
@@ -288,3 +288,14 @@ def test_a_reference_in_degrees_is_not_taken_for_a_drive_that_tells_too_little()
         whole.reference * [1.0, 1.0, 180.0 / math.pi])
     with pytest.raises(ValueError, match='do not agree .* m and rad'):
         fit_trajectory(GEOMETRY, [degrees])
+
+
+@pytest.mark.filterwarnings('error')
+@pytest.mark.parametrize('spoil', [
+    lambda poses: poses * [1e160, 1e160, 1.0], lambda poses: poses * [1e-160, 1e-160, 1.0],
+    lambda poses: poses + np.where(np.arange(len(poses)) % 7, 0.0, 1e150)[:, None]])
+def test_a_reference_beyond_all_bounds_is_refused_in_words(spoil):
+    whole = drive(1, Truth(), Disturbance())
+    with pytest.raises(ValueError, match='do not agree .* expected m and rad'):
+        fit_trajectory(GEOMETRY, [segment_from_positions(
+            whole.time, whole.angles, whole.reference_time, spoil(whole.reference))])
