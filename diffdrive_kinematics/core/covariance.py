@@ -33,13 +33,15 @@ from typing import NamedTuple, Tuple
 from diffdrive_kinematics.core.arc import advance, Pose
 from diffdrive_kinematics.core.checks import check_non_negative, check_positive
 from diffdrive_kinematics.core.distributions import heading_variance
-from diffdrive_kinematics.core.geometry import pose_change_from_travel, WheelGeometry
+from diffdrive_kinematics.core.geometry import (
+    Number, pose_change_from_travel, WheelGeometry)
 import numpy as np
 from numpy.typing import NDArray
 
 __all__ = [
-    'NO_COVARIANCE', 'PoseCovariance', 'TwistCovariance', 'heading_covariance',
-    'moved_covariance', 'propagated_covariance', 'slip_covariance', 'twist_covariance']
+    'E_MEAN', 'E_SQUARE', 'NO_COVARIANCE', 'PoseCovariance', 'SERIES_END', 'SINE_SQUARE',
+    'TwistCovariance', 'heading_covariance', 'moved_covariance', 'polynomial',
+    'propagated_covariance', 'slip_covariance', 'twist_covariance']
 
 
 class PoseCovariance(NamedTuple):
@@ -195,22 +197,24 @@ def _arc_means(half: float) -> Tuple[float, float, float]:
     leave out less than 1e-17 and the closed forms beyond lose less than 3e-14.
     """
     square = half * half
-    if square <= 0.25:
-        return (half * _polynomial(E_MEAN, square), square * _polynomial(E_SQUARE, square),
-                _polynomial(SINE_SQUARE, square))
+    if square <= SERIES_END:
+        return (half * polynomial(E_MEAN, square), square * polynomial(E_SQUARE, square),
+                polynomial(SINE_SQUARE, square))
     cosine, sinc = math.cos(half), math.sin(half) / half
     return ((sinc - cosine) / half,
             (0.5 + cosine * (cosine - 1.5 * sinc)) / square,
             0.5 * (1.0 - cosine * sinc) / square)
 
 
-def _polynomial(coefficients: Tuple[float, ...], variable: float) -> float:
-    total = 0.0
+def polynomial(coefficients: Tuple[float, ...], variable: Number) -> Number:
+    """Return the polynomial of coefficients, that of the highest power first."""
+    total = 0.0 * variable
     for coefficient in coefficients:
         total = total * variable + coefficient
     return total
 
 
+SERIES_END = 0.25  # of h^2
 TERMS = range(9, 0, -1)
 E_MEAN = tuple(-(-1.0)**k * 2 * k / math.factorial(2 * k + 1) for k in TERMS)
 E_SQUARE = tuple((-4.0)**k * (k - 1) / math.factorial(2 * k + 1) for k in TERMS if k > 1)

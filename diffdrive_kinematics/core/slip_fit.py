@@ -38,8 +38,7 @@ from typing import List, NamedTuple, Optional, Sequence, Tuple
 from diffdrive_kinematics.core.angles import wrap_angle
 from diffdrive_kinematics.core.arc import Pose
 from diffdrive_kinematics.core.checks import check_non_negative
-from diffdrive_kinematics.core.covariance import (
-    NO_COVARIANCE, PoseCovariance, propagated_covariance)
+from diffdrive_kinematics.core.covariance_along import covariance_along
 from diffdrive_kinematics.core.estimate import Estimate
 from diffdrive_kinematics.core.geometry import WheelGeometry
 import numpy as np
@@ -158,13 +157,13 @@ def slip_window(
     moving = rows[(rows != 0.0).any(axis=1)]
     if not len(moving):
         raise ValueError('travel is 0 throughout, expected a window in which a wheel turns')
-    pose, left, right = _along(geometry, moving.tolist())
+    pose, (left, right) = covariance_along(geometry, moving)
     measured = _relative(before, after)
     odometry = np.array([pose.x, pose.y, pose.theta])
     error = measured - odometry
     error[2] = wrap_angle(float(error[2]))
     return SlipWindow(
-        error, left.matrix(), right.matrix(), np.diag([2.0, 2.0, 0.0]),
+        error, left, right, np.diag([2.0, 2.0, 0.0]),
         _heading_noise(float(pose.x), float(pose.y)))
 
 
@@ -258,18 +257,6 @@ class _Components(NamedTuple):
     errors: List[float]
     log_likelihood: float
     nees: float
-
-
-def _along(
-        geometry: WheelGeometry, travel: List[List[float]]
-) -> Tuple[Pose, PoseCovariance, PoseCovariance]:
-    """Return the relative pose of odometry, and its covariance for a k of 1 of either wheel."""
-    pose, left, right = Pose(0.0, 0.0, 0.0), NO_COVARIANCE, NO_COVARIANCE
-    for d_left, d_right in travel:
-        after, left = propagated_covariance(left, pose, geometry, d_left, d_right, 1.0, 0.0)
-        _, right = propagated_covariance(right, pose, geometry, d_left, d_right, 0.0, 1.0)
-        pose = after
-    return pose, left, right
 
 
 def _relative(before: Pose, after: Pose) -> Array:
