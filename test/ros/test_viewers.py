@@ -27,6 +27,38 @@ KINDS = {
     'PoseArray': 'geometry_msgs/msg/PoseArray', 'Polygon': 'geometry_msgs/msg/PolygonStamped',
     'RobotModel': 'std_msgs/msg/String'}
 WITHOUT_TOPIC = {'Grid', 'TF'}
+COMMON = {'Class', 'Enabled', 'Name', 'Value'}
+TOPIC = {'Depth', 'Durability Policy', 'History Policy', 'Reliability Policy', 'Value'}
+ARROW = {'Alpha', 'Color', 'Head Length', 'Head Radius', 'Shaft Length', 'Shaft Radius'}
+AXES = {'Axes Length', 'Axes Radius'}
+PROPERTIES = {  # of rviz_default_plugins' displays, by what they are in (None: the display)
+    'Grid': {
+        None: {'Alpha', 'Cell Size', 'Color', 'Line Style', 'Normal Cell Count', 'Offset', 'Plane',
+               'Plane Cell Count', 'Reference Frame'},
+        'Line Style': {'Line Width', 'Value'}, 'Offset': set('XYZ')},
+    'RobotModel': {
+        None: {'Alpha', 'Collision Enabled', 'Description File', 'Description Source',
+               'Description Topic', 'TF Prefix', 'Update Interval', 'Visual Enabled'},
+        'Description Topic': TOPIC},
+    'TF': {
+        None: {'Frame Timeout', 'Frames', 'Marker Scale', 'Show Arrows', 'Show Axes',
+               'Show Names', 'Update Interval'},
+        'Frames': {'All Enabled'}},
+    'Odometry': {
+        None: {'Angle Tolerance', 'Covariance', 'Keep', 'Position Tolerance', 'Shape', 'Topic'},
+        'Covariance': {'Orientation', 'Position', 'Value'},
+        'Covariance/Orientation': {
+            'Alpha', 'Color', 'Color Style', 'Frame', 'Offset', 'Scale', 'Value'},
+        'Covariance/Position': {'Alpha', 'Color', 'Scale', 'Value'},
+        'Shape': {*ARROW, *AXES, 'Value'}, 'Topic': {*TOPIC, 'Filter size'}},
+    'Path': {
+        None: {'Alpha', 'Buffer Length', 'Color', 'Line Style', 'Line Width', 'Offset',
+               'Pose Style', 'Topic'},
+        'Offset': set('XYZ'), 'Topic': {*TOPIC, 'Filter size'}},
+    'PoseArray': {
+        None: {*ARROW, *AXES, 'Arrow Length', 'Shape', 'Topic'},
+        'Topic': {*TOPIC, 'Filter size'}},
+    'Polygon': {None: {'Alpha', 'Color', 'Topic'}, 'Topic': {*TOPIC, 'Filter size'}}}
 NODES = ['command_sequence', 'diff_drive_controller', 'wheel_noise', 'simulated_base',
          'simulated_base:ground_truth', 'forward_projection', 'robot_description']
 
@@ -35,13 +67,20 @@ def kind_of(display):
     return display['Class'].rpartition('/')[2]
 
 
+def rviz():
+    return yaml.safe_load((CONFIG / 'diffdrive.rviz').read_text())
+
+
+def shown():
+    """Return the settings of RViz's displays."""
+    return rviz()['Visualization Manager']['Displays']
+
+
 def displays():
     """Return (class, topic settings) of RViz's displays with a topic."""
-    config = yaml.safe_load((CONFIG / 'diffdrive.rviz').read_text())
-    shown = config['Visualization Manager']['Displays']
-    assert {kind_of(display) for display in shown} == {*KINDS, *WITHOUT_TOPIC}
+    assert {kind_of(display) for display in shown()} == {*KINDS, *WITHOUT_TOPIC}
     return [(kind_of(display), display.get('Description Topic') or display['Topic'])
-            for display in shown if kind_of(display) not in WITHOUT_TOPIC]
+            for display in shown() if kind_of(display) not in WITHOUT_TOPIC]
 
 
 def panels():
@@ -73,6 +112,14 @@ def wanted():
             assert kind == 'DiagnosticSummary'
             topics.append((panel['topicToRender'], 'diagnostic_msgs/msg/DiagnosticArray'))
     return topics
+
+
+def properties(settings, above=None):
+    """Yield (path of the settings above or None, names) of settings within settings."""
+    yield above, set(settings)
+    for name, value in settings.items():
+        if isinstance(value, dict):
+            yield from properties(value, name if above is None else f'{above}/{name}')
 
 
 @pytest.fixture
@@ -122,3 +169,10 @@ def test_every_plotted_path_is_a_number_of_its_message(demo):
 def test_teleop_repeats_its_command_before_the_controller_times_out():
     (teleop,) = (panel for name, panel in panels().items() if name.startswith('Teleop!'))
     assert teleop['publishRate'] > 2.0 / 0.5  # cmd_vel_timeout
+
+
+@pytest.mark.parametrize('display', shown(), ids=lambda display: display['Name'])
+def test_a_display_has_every_property_that_is_set_since_rviz_ignores_the_others(display):
+    known = PROPERTIES[kind_of(display)]
+    for above, found in properties(display):
+        assert found <= known[above] | (COMMON if above is None else set()), above
