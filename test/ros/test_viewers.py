@@ -31,6 +31,7 @@ COMMON = {'Class', 'Enabled', 'Name', 'Value'}
 TOPIC = {'Depth', 'Durability Policy', 'History Policy', 'Reliability Policy', 'Value'}
 ARROW = {'Alpha', 'Color', 'Head Length', 'Head Radius', 'Shaft Length', 'Shaft Radius'}
 AXES = {'Axes Length', 'Axes Radius'}
+NARROW = {'rviz_common/Displays', 'rviz_common/Views'}  # a third of the window at most
 PROPERTIES = {  # of rviz_default_plugins' displays, by what they are in (None: the display)
     'Grid': {
         None: {'Alpha', 'Cell Size', 'Color', 'Line Style', 'Normal Cell Count', 'Offset', 'Plane',
@@ -176,3 +177,10 @@ def test_a_display_has_every_property_that_is_set_since_rviz_ignores_the_others(
     known = PROPERTIES[kind_of(display)]
     for above, found in properties(display):
         assert found <= known[above] | (COMMON if above is None else set()), above
+
+
+def test_the_panels_leave_room_for_the_view():
+    # Without a state of its main window RViz docks every panel at the left, as wide as the widest.
+    assert {panel['Class'] for panel in rviz()['Panels']} <= NARROW
+    for side in ('Left', 'Right'):  # a flag that is not set is read from memory that is not, too
+        assert rviz()['Window Geometry'][f'Hide {side} Dock'] is False
