@@ -17,6 +17,8 @@ from importlib import import_module
 import json
 from pathlib import Path
 
+from diffdrive_kinematics.core.arc import Pose
+from diffdrive_kinematics.core.sequence import Command, poses_along
 import pytest
 from rclpy.qos import DurabilityPolicy
 import yaml
@@ -32,6 +34,8 @@ TOPIC = {'Depth', 'Durability Policy', 'History Policy', 'Reliability Policy', '
 ARROW = {'Alpha', 'Color', 'Head Length', 'Head Radius', 'Shaft Length', 'Shaft Radius'}
 AXES = {'Axes Length', 'Axes Radius'}
 NARROW = {'rviz_common/Displays', 'rviz_common/Views'}  # a third of the window at most
+BARS, BESIDE = 100, 400  # [pixels] of a window that menus and panels take at most
+MARGIN = 0.1  # [m] from the robot's centre to the tip of its arrow
 PROPERTIES = {  # of rviz_default_plugins' displays, by what they are in (None: the display)
     'Grid': {
         None: {'Alpha', 'Cell Size', 'Color', 'Line Style', 'Normal Cell Count', 'Offset', 'Plane',
@@ -184,3 +188,17 @@ def test_the_panels_leave_room_for_the_view():
     assert {panel['Class'] for panel in rviz()['Panels']} <= NARROW
     for side in ('Left', 'Right'):  # a flag that is not set is read from memory that is not, too
         assert rviz()['Window Geometry'][f'Hide {side} Dock'] is False
+
+
+def test_the_view_holds_the_course_of_the_demo_and_is_filled_by_it():
+    values = yaml.safe_load((CONFIG / 'demo.yaml').read_text())
+    numbers = iter(values['/**/command_sequence']['ros__parameters']['commands'])
+    course = poses_along(Pose(0.0, 0.0, 0.0), map(Command, numbers, numbers, numbers))
+    window, view = rviz()['Window Geometry'], rviz()['Visualization Manager']['Views']['Current']
+    assert kind_of(view) == 'TopDownOrtho' and view['Angle'] == 0
+    for room, centre, along in (
+            (window['Width'] - BESIDE, view['X'], [pose.x for pose in course]),
+            (window['Height'] - BARS, view['Y'], [pose.y for pose in course])):
+        half = 0.5 * room / view['Scale']
+        assert centre - half < min(along) - MARGIN and max(along) + MARGIN < centre + half
+        assert max(along) - min(along) > 0.4 * 2.0 * half
