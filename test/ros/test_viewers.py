@@ -81,6 +81,23 @@ def shown():
     return rviz()['Visualization Manager']['Displays']
 
 
+def colour(text, alpha=1.0, behind=(0, 0, 0)):
+    """Return red, green and blue of RViz's text, over what is behind it."""
+    return [alpha * int(one) + (1.0 - alpha) * other
+            for one, other in zip(text.split(';'), behind)]
+
+
+def contrast(one, other):
+    """Return the contrast ratio of two colours (WCAG 2.1)."""
+    def luminance(rgb):
+        linear = [c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4
+                  for c in (value / 255.0 for value in rgb)]
+        return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
+
+    low, high = sorted((luminance(one), luminance(other)))
+    return (high + 0.05) / (low + 0.05)
+
+
 def displays():
     """Return (class, topic settings) of RViz's displays with a topic."""
     assert {kind_of(display) for display in shown()} == {*KINDS, *WITHOUT_TOPIC}
@@ -202,3 +219,18 @@ def test_the_view_holds_the_course_of_the_demo_and_is_filled_by_it():
         half = 0.5 * room / view['Scale']
         assert centre - half < min(along) - MARGIN and max(along) + MARGIN < centre + half
         assert max(along) - min(along) > 0.4 * 2.0 * half
+
+
+def test_belief_and_truth_stand_out_from_the_ground_and_from_the_grid_that_lies_under_them():
+    manager = rviz()['Visualization Manager']
+    (grid,) = (display for display in shown() if kind_of(display) == 'Grid')
+    ground = colour(manager['Global Options']['Background Color'])
+    line = colour(grid['Color'], grid['Alpha'], ground)
+    paths = [display for display in shown() if kind_of(display) == 'Path']
+    for path in paths:
+        assert min(contrast(colour(path['Color']), under) for under in (ground, line)) >= 3.0
+        assert path['Line Style'] == 'Billboards'  # others are a pixel wide, as those of the grid
+        assert path['Line Width'] * manager['Views']['Current']['Scale'] >= 2.0
+    poses = [display['Shape'] for display in shown() if kind_of(display) == 'Odometry']
+    assert [pose['Color'] for pose in poses] == [path['Color'] for path in paths]
+    assert len({path['Color'] for path in paths}) == 2
