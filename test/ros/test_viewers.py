@@ -234,3 +234,15 @@ def test_belief_and_truth_stand_out_from_the_ground_and_from_the_grid_that_lies_
     poses = [display['Shape'] for display in shown() if kind_of(display) == 'Odometry']
     assert [pose['Color'] for pose in poses] == [path['Color'] for path in paths]
     assert len({path['Color'] for path in paths}) == 2
+
+
+def test_the_covariance_is_seen_through_the_robot_and_that_of_the_heading_at_the_arrow():
+    (robot,) = (display for display in shown() if kind_of(display) == 'RobotModel')
+    assert robot['Alpha'] <= 0.5  # the ellipse is on the ground under it, and smaller than it
+    for display in shown():
+        if kind_of(display) == 'Odometry':
+            position, heading = (
+                display['Covariance'][name] for name in ('Position', 'Orientation'))
+            assert position['Scale'] == heading['Scale'] == 3  # as the file says
+            arrow = display['Shape']
+            assert heading['Offset'] == pytest.approx(arrow['Shaft Length'] + arrow['Head Length'])
