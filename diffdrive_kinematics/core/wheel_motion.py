@@ -202,7 +202,8 @@ def receive(
         return _stepped(motion, sample, timeout_ns)
     if stamp <= motion.anchor_ns:
         if stamp <= motion.last_ns:
-            return Received(motion, ZERO, Verdict.OUT_OF_ORDER)
+            again = _is_the_anchor(sample, motion)
+            return Received(motion, ZERO, Verdict.REPEATED if again else Verdict.OUT_OF_ORDER)
         stamp = motion.anchor_ns + 1  # it was on its way while the settings changed
         sample = replace(sample, stamp_ns=stamp)
     held = rolled(motion, stamp, timeout_ns)
@@ -227,6 +228,13 @@ def receive(
     known = ZERO if as_held or stamp <= motion.last_ns else rolled(
         motion, motion.last_ns, timeout_ns)
     return Received(following, travelled, Verdict.MOVED, known)
+
+
+def _is_the_anchor(sample: WheelSample, motion: WheelMotion) -> bool:
+    """Tell whether a sample is the one at the anchor, come a second time."""
+    return (sample.stamp_ns == motion.anchor_ns and sample.source == motion.source
+            and sample.rates in (None, motion.rates)
+            and sample.positions in (None, motion.reference))
 
 
 def _renewed(motion: WheelMotion, repeat: WheelSample, held: Pair) -> WheelMotion:

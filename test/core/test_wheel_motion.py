@@ -14,6 +14,7 @@
 
 """Wheel motion over time: the anchor, the last stamp, the timeout and the baseline."""
 
+from dataclasses import replace
 from itertools import accumulate
 import math
 
@@ -111,6 +112,22 @@ def test_a_late_repeat_does_not_take_the_last_stamp_back():
         [WheelSample(0, A), WheelSample(200 * MS, A), WheelSample(50 * MS, A)])
     assert verdicts[-1] is Verdict.REPEATED
     assert motion.last_ns == 200 * MS
+
+
+@pytest.mark.parametrize('rates, positions', [(B, None), (None, (1.0, 2.0)), (B, (1.0, 2.0))])
+def test_a_message_that_comes_twice_is_a_repeat_and_one_that_contradicts_it_is_not(
+        rates, positions):
+    start = WheelSample(0, rates and A, positions and (0.0, 0.0), 'one')
+    sample = WheelSample(100 * MS, rates, positions, 'one')
+    motion = play([start, sample])[0]
+    assert receive(motion, sample, now_ns=NOW, timeout_ns=T) == (
+        motion, (0.0, 0.0), Verdict.REPEATED, (0.0, 0.0))
+    others = [replace(sample, source='other')]
+    others += [replace(sample, rates=A)] if rates else []
+    others += [replace(sample, positions=(1.0, 2.1))] if positions else []
+    for other in others:
+        result = receive(motion, other, now_ns=NOW, timeout_ns=T)
+        assert result.verdict is Verdict.OUT_OF_ORDER and result.motion == motion
 
 
 @pytest.mark.parametrize('stamp', [100 * MS, 99 * MS, 0, 100 * MS - S])
