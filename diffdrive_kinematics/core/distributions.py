@@ -59,8 +59,6 @@ BOUNDS = {
     'gaussian': math.inf, 'truncated_gaussian': CUT / CUT_SIGMA,
     'triangular': math.sqrt(6.0), 'uniform': math.sqrt(3.0)}
 
-NODES, WEIGHTS = np.polynomial.legendre.leggauss(64)
-
 
 def check_distribution(name: str, distribution: str) -> str:
     """Return ``distribution``, or raise ``ValueError`` if it is none of ``DISTRIBUTIONS``."""
@@ -174,7 +172,8 @@ def heading_variance(concentration: float) -> float:
 
     """
     kappa = check_non_negative('concentration', concentration)
+    nodes, weights = np.polynomial.legendre.leggauss(64)  # costs a process memory, once used
     end = min(math.pi, 14.0 / math.sqrt(kappa)) if kappa > 0.0 else math.pi
-    angle = 0.5 * end * (NODES + 1.0)
-    weight = WEIGHTS * np.exp(-2.0 * kappa * np.sin(0.5 * angle)**2)
+    angle = 0.5 * end * (nodes + 1.0)
+    weight = weights * np.exp(-2.0 * kappa * np.sin(0.5 * angle)**2)
     return float(weight @ angle**2 / weight.sum())

@@ -280,7 +280,8 @@ def _problem(
         if seen[-1] <= wheel[0] or wheel[-1] <= seen[0]:
             raise ValueError(
                 f'segment {n + 1} has wheels from {wheel[0]:.3f} to {wheel[-1]:.3f} s and a '
-                f'reference from {seen[0]:.3f} to {seen[-1]:.3f} s, expected stamps of the same time')
+                f'reference from {seen[0]:.3f} to {seen[-1]:.3f} s, expected stamps of the same '
+                'time')
     chosen = tuple(windows_between(segment, windows.lengths, windows.every, windows.tolerance)
                    for segment in segments)
     number = sum(len(each.start) for each in chosen)
