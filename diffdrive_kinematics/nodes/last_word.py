@@ -63,9 +63,9 @@ def _heard_without_acknowledgement(node: Node, publisher: Publisher) -> bool:
 
 
 def _words_to_fill(publisher: Publisher) -> int:
-    """Return how many words fill the queue, or last until the heartbeat where that is sooner."""
+    """Return how many words fill the queue, or last for two heartbeats where that is sooner."""
     profile = publisher.qos_profile
-    most = round(HEARTBEAT_S / PERIOD_S) + LEAST_WORDS
+    most = round(2.0 * HEARTBEAT_S / PERIOD_S)
     if profile.history is not HistoryPolicy.KEEP_LAST:
         return most
     return min(most, max(LEAST_WORDS, profile.depth))
