@@ -41,10 +41,7 @@ def drive(graph):
     topics = "command_sequence:wait_for_topics:=['odom', 'ground_truth', 'go']"
     sim = graph.start('diffdrive_sim', {'real_time_factor': 0.0}, '-p', topics)
     graph.wait_for(lambda: collected['odom'] and collected['ground_truth'], 'odometry')
-    graph.wait_for(go.get_subscription_count, 'the sequence to listen')
-    go.publish(Empty())
-    graph.wait_for(lambda: not sim.running, 'the course to end')
-    assert sim.wait() == 0, sim.output
+    graph.play_out(sim, go)
     start = int(re.search(r'of commands from (\d+) ns on', sim.output)[1])
     bits = [{stamp_ns(message) - start: bits_of(message) for message in messages
              if stamp_ns(message) >= start} for messages in collected.values()]

@@ -107,10 +107,7 @@ def test_the_demo_shows_the_paths_of_belief_and_truth(graph):
     sim = graph.start('diffdrive_sim', {'real_time_factor': 0.0}, '-p',
                       "command_sequence:wait_for_topics:=['odom', 'ground_truth', 'go']")
     graph.wait_for(lambda: beliefs and truths, 'paths')
-    graph.wait_for(go.get_subscription_count, 'the sequence to listen')
-    go.publish(Empty())
-    graph.wait_for(lambda: not sim.running, 'the course')
-    assert sim.wait() == 0
+    graph.play_out(sim, go)
     graph.wait_for(lambda: len(beliefs[-1].poses) > 40 and len(truths[-1].poses) > 40, 'the rest')
     assert (beliefs[-1].header.frame_id, truths[-1].header.frame_id) == ('odom', 'map')
     assert spots(beliefs[-1])[0] == spots(truths[-1])[0] == (0.0, 0.0)

@@ -195,10 +195,7 @@ def test_belief_is_consistent_with_truth_over_50_runs_of_the_nodes(graph, tmp_pa
         'diffdrive_sim',
         args=['--ros-args', '--params-file', str(params_file(tmp_path / 'runs.yaml'))])
     graph.wait_for(lambda: len(last) == len(topics) or not sim.running, 'odometry of all')
-    graph.wait_for(go.get_subscription_count, 'the sequence to listen')
-    go.publish(Empty())
-    graph.wait_for(lambda: not sim.running, 'the course to end')
-    assert sim.wait() == 0, sim.output
+    graph.play_out(sim, go)
     belief = last['odom']
     rest = stamp_ns(belief) - 5_500_000_000
     graph.wait_for(lambda: all(stamp_ns(message) > rest for message in last.values()), 'the rest')

@@ -29,6 +29,7 @@ from geometry_msgs.msg import Twist, TwistStamped
 import rclpy
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.qos import QoSProfile
+from std_msgs.msg import Empty
 
 DEADLINE_S = 90.0
 ANSWER_S = 10.0
@@ -157,6 +158,13 @@ class Graph:
             self.wait_for(lambda: publisher.get_subscription_count() >= listeners,
                           f'{listeners} subscribers of {topic}')
         return publisher
+
+    def play_out(self, sim, go):
+        """Let the sequence go that waits for a topic, and wait until its process has ended."""
+        self.wait_for(go.get_subscription_count, 'the sequence to listen')
+        go.publish(Empty())
+        self.wait_for(lambda: not sim.running, 'the course to end')
+        assert sim.wait() == 0, sim.output
 
     def now_ns(self):
         return self.node.get_clock().now().nanoseconds
