@@ -123,8 +123,6 @@ def wanted():
         kind = name.partition('!')[0]
         if kind == '3D':
             topics += [(topic, None) for topic in panel['topics']]
-            topics += [(layer['topic'], KINDS['RobotModel']) for layer in panel['layers'].values()
-                       if layer['layerId'] == 'foxglove.Urdf']
         elif kind == 'Plot':
             topics += [(path['value'].partition('.')[0], KINDS['Odometry'])
                        for path in panel['paths']]
@@ -186,6 +184,12 @@ def test_every_plotted_path_is_a_number_of_its_message(demo):
         for field in fields:
             value = getattr(value, field)
         assert isinstance(value, float)
+
+
+def test_the_robot_is_a_topic_of_the_3d_panel_which_every_viewer_can_show_without_a_layer():
+    panel = panels()['3D!diffdrive']
+    assert panel['topics']['/robot_description'] == {'visible': True}
+    assert {layer['layerId'] for layer in panel['layers'].values()} == {'foxglove.Grid'}
 
 
 def test_teleop_repeats_its_command_before_the_controller_times_out():
