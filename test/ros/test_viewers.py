@@ -193,6 +193,20 @@ def test_the_robot_is_a_topic_of_the_3d_panel_which_every_viewer_can_show_withou
     assert {layer['layerId'] for layer in panel['layers'].values()} == {'foxglove.Grid'}
 
 
+def test_the_3d_panel_is_to_the_scale_of_the_robot_and_the_course_of_the_demo():
+    demo = yaml.safe_load((CONFIG / 'demo.yaml').read_text())
+    robot = demo['/**']['ros__parameters']['wheel_separation']
+    speed, _, duration = demo['/**/command_sequence']['ros__parameters']['commands'][:3]
+    panel = panels()['3D!diffdrive']
+    frames, camera = panel['scene']['transforms'], panel['cameraState']
+    assert not frames['showLabel']  # 0.2 m high, unless set
+    assert 0.3 * robot < 0.2 * frames['axisScale'] < robot  # an axis of scale 1 is 0.2 m long
+    assert 0.3 * robot < frames['axisSize'] < robot  # its name in newer releases
+    assert not camera['perspective']
+    assert speed * duration + 2.0 * robot < camera['distance'] < 2.5 * speed * duration
+    assert camera['targetOffset'][:2] == [0.5 * speed * duration] * 2
+
+
 def test_teleop_repeats_its_command_before_the_controller_times_out():
     (teleop,) = (panel for name, panel in panels().items() if name.startswith('Teleop!'))
     assert teleop['publishRate'] > 2.0 / 0.5  # cmd_vel_timeout
