@@ -187,6 +187,14 @@ def test_every_plotted_path_is_a_number_of_its_message(demo):
         assert isinstance(value, float)
 
 
+def test_a_legend_covers_no_curve_and_leaves_the_plot_its_height():
+    for name, panel in panels().items():
+        if name.startswith('Plot!'):
+            assert panel['showLegend']
+            assert panel['legendDisplay'] == 'top'
+            assert panel['sidebarDimension'] <= 28 * len(panel['paths'])  # pixels
+
+
 def test_the_robot_is_a_topic_of_the_3d_panel_which_every_viewer_can_show_without_a_layer():
     panel = panels()['3D!diffdrive']
     assert panel['topics']['/robot_description'] == {'visible': True}
