@@ -65,6 +65,30 @@ PROPERTIES = {  # of rviz_default_plugins' displays, by what they are in (None: 
         None: {*ARROW, *AXES, 'Arrow Length', 'Shape', 'Topic'},
         'Topic': {*TOPIC, 'Filter size'}},
     'Polygon': {None: {'Alpha', 'Color', 'Topic'}, 'Topic': {*TOPIC, 'Filter size'}}}
+POSES = 'arrowScale axisScale gradient lineWidth type visible'
+READ = {  # by Foxglove in a panel's configuration; it says nothing of any other key
+    '3D': {
+        '': 'cameraState followMode followTf imageMode layers publish scene topics transforms',
+        'cameraState': 'distance far fovy near perspective phi target targetOffset '
+                       'targetOrientation thetaOffset',
+        'scene': 'transforms',
+        'scene.transforms': 'axisScale axisSize lineWidth showLabel',
+        'topics./path': POSES, 'topics./ground_truth_path': POSES,
+        'topics./projected_poses': POSES,
+        'topics./projected_boundary': 'color lineWidth visible',
+        'topics./robot_description': 'visible',
+        'layers.grid': 'color divisions frameLocked instanceId label layerId lineWidth position '
+                       'rotation size visible'},
+    'Plot': {
+        '': 'isSynced legendDisplay paths showLegend showXAxisLabels showYAxisLabels '
+            'sidebarDimension xAxisVal',
+        'paths': 'color enabled label showLine timestampMethod value'},
+    'Teleop': {
+        '': 'downButton leftButton publishRate rightButton topic upButton',
+        'upButton': 'field value', 'downButton': 'field value', 'leftButton': 'field value',
+        'rightButton': 'field value'},
+    'DiagnosticSummary': {
+        '': 'hardwareIdFilter minLevel pinnedIds sortByLevel topicToRender'}}
 NODES = ['command_sequence', 'diff_drive_controller', 'wheel_noise', 'simulated_base',
          'simulated_base:ground_truth', 'forward_projection', 'robot_description']
 
@@ -185,6 +209,16 @@ def test_every_plotted_path_is_a_number_of_its_message(demo):
         for field in fields:
             value = getattr(value, field)
         assert isinstance(value, float)
+
+
+@pytest.mark.parametrize('name', panels())
+def test_the_viewer_reads_every_key_of_a_panel(name):
+    for path, keys in READ[name.partition('!')[0]].items():
+        part = panels()[name]
+        for step in filter(None, path.split('.')):
+            part = part[step]
+        for settings in part if isinstance(part, list) else [part]:
+            assert set(settings) <= set(keys.split()), path
 
 
 def test_a_legend_covers_no_curve_and_leaves_the_plot_its_height():
