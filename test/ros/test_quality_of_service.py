@@ -128,10 +128,10 @@ def test_fast_mode_refuses_what_could_lose_a_message(graph, end, policy, value):
 def test_fast_mode_takes_overrides_that_lose_nothing(graph):
     go = graph.publisher(Empty, 'go', listeners=0)
     sim = graph.start('diffdrive_sim', {
-        'real_time_factor': 0.0, 'wait_for_topics': ['go'],
-        override('wheel_rates', 'publisher', 'durability'):
+        'real_time_factor': 0.0, override('wheel_rates', 'publisher', 'durability'):
         'transient_local', override('clock', 'publisher', 'reliability'): 'best_effort',
-        override('wheel_rates', 'subscription', 'depth'): 2000})
+        override('wheel_rates', 'subscription', 'depth'): 2000},
+        '-p', "command_sequence:wait_for_topics:=['go']")
     clocks = graph.wait_for(
         lambda: graph.node.get_publishers_info_by_topic('/clock'), 'the clock')
     assert clocks[0].qos_profile.reliability == ReliabilityPolicy.BEST_EFFORT
