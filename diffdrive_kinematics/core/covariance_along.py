@@ -24,6 +24,7 @@ from diffdrive_kinematics.core.arc import Pose, sinc
 from diffdrive_kinematics.core.covariance import (
     E_MEAN, E_SQUARE, polynomial, SERIES_END, SINE_SQUARE)
 from diffdrive_kinematics.core.geometry import pose_change_from_travel, WheelGeometry
+from diffdrive_kinematics.core.matrices import rotations, swings
 import numpy as np
 from numpy.typing import NDArray
 
@@ -59,14 +60,8 @@ def covariance_along(geometry: WheelGeometry, travel: Array) -> Tuple[Pose, Arra
     way, chord = theta - half, distance * sinc(half)
     x, y = np.cumsum(chord * np.cos(way)), np.cumsum(chord * np.sin(way))
     added = _added(geometry.separation, travel, distance, half)
-    onward = np.zeros((len(travel), 3, 3))
-    onward[:, 0, 0] = onward[:, 1, 1] = np.cos(way)
-    onward[:, 1, 0] = np.sin(way)
-    onward[:, 0, 1] = -onward[:, 1, 0]
-    onward[:, 2, 2] = 1.0
-    onward[:, 0, 2], onward[:, 1, 2] = y - y[-1], x[-1] - x
-    gathered: Array = np.einsum(
-        'nij,nwjk,nlk->wil', onward, added, onward, optimize=True)
+    onward = swings(x[-1] - x, y[-1] - y) @ rotations(way)
+    gathered: Array = np.einsum('nij,nwjk,nlk->wil', onward, added, onward, optimize=True)
     return Pose(float(x[-1]), float(y[-1]), float(theta[-1])), gathered
 
 

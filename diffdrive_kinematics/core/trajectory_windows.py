@@ -32,6 +32,7 @@ from typing import NamedTuple, Sequence, Tuple
 
 from diffdrive_kinematics.core.angles import wrap_angle
 from diffdrive_kinematics.core.geometry import WheelGeometry
+from diffdrive_kinematics.core.matrices import rotations, swings
 from diffdrive_kinematics.core.recording import Segment
 import numpy as np
 from numpy.typing import NDArray
@@ -171,7 +172,7 @@ def linearised(
                       elements[:, 1] * (travel[:, 1:] / systematic.right),
                       pivot * (-turn / systematic.separation)[:, None]], axis=2)
     spread = np.einsum('nw,nwi,nwj->nij', np.abs(travel), elements, elements)
-    along = _rotation(-nodes.pose[start, 2]) @ _swing(nodes.pose[end])
+    along = rotations(-nodes.pose[start, 2]) @ swings(*nodes.pose[end, :2].T)
     by_wheels = along @ _sums(moves, nodes, start, end)
     slip = along @ _sums(spread, nodes, start, end) @ along.transpose(0, 2, 1)
     wheels, back = _relative(nodes.pose, start, end)
@@ -250,27 +251,9 @@ def _sums(rows: Array, nodes: _Nodes, start: Indices, end: Indices) -> Array:
     return windows
 
 
-def _rotation(angle: Array) -> Array:
-    """Return rotations about z, shape (w, 3, 3)."""
-    matrix = np.zeros((len(angle), 3, 3))
-    matrix[:, 0, 0] = matrix[:, 1, 1] = np.cos(angle)
-    matrix[:, 1, 0] = np.sin(angle)
-    matrix[:, 0, 1] = -matrix[:, 1, 0]
-    matrix[:, 2, 2] = 1.0
-    return matrix
-
-
-def _swing(pose: Array) -> Array:
-    """Return M of each pose, shape (w, 3, 3)."""
-    matrix = np.zeros((len(pose), 3, 3))
-    matrix[:, [0, 1, 2], [0, 1, 2]] = 1.0
-    matrix[:, 0, 2], matrix[:, 1, 2] = -pose[:, 1], pose[:, 0]
-    return matrix
-
-
 def _relative(poses: Array, start: Indices, end: Indices) -> Tuple[Array, Array]:
     """Return the poses at the ends in the frames of the starts, and the rotations into these."""
-    back = _rotation(-poses[start, 2])
+    back = rotations(-poses[start, 2])
     found: Array = np.einsum('wij,wj->wi', back, poses[end] - poses[start])
     return found, back
 
@@ -291,7 +274,7 @@ def _reference(
     """Return relative poses of the centre, and derivatives by frame, start and end."""
     body = reference - [0.0, 0.0, systematic.yaw]
     apart, back = _relative(body, start, end)
-    turned = _rotation(apart[:, 2])
+    turned = rotations(apart[:, 2])
     offset = np.array([systematic.x, systematic.y])
     frame = np.zeros_like(back)
     frame[:, :2, :2] = np.eye(2) - turned[:, :2, :2]

@@ -1,0 +1,43 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+"""Stacks of the 3x3 matrices by which errors of (x, y, theta) turn and swing with a motion."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ['rotations', 'swings']
+
+Array = NDArray[np.float64]
+
+
+def rotations(angle: Array) -> Array:
+    """Return the rotations about z by angles [rad] of shape (n,), shape (n, 3, 3)."""
+    matrix = swings(np.zeros(len(angle)), np.zeros(len(angle)))
+    matrix[:, 0, 0] = matrix[:, 1, 1] = np.cos(angle)
+    matrix[:, 1, 0] = np.sin(angle)
+    matrix[:, 0, 1] = -matrix[:, 1, 0]
+    return matrix
+
+
+def swings(x: Array, y: Array) -> Array:
+    """
+    Return how errors grow along motions (x, y) [m] of shape (n,) that follow, shape (n, 3, 3).
+
+    ``[[1, 0, -y], [0, 1, x], [0, 0, 1]]``: an error of the heading swings the motion
+    (Smith, Self & Cheeseman 1990).
+    """
+    matrix = np.zeros((len(x), 3, 3))
+    matrix[:, [0, 1, 2], [0, 1, 2]] = 1.0
+    matrix[:, 0, 2], matrix[:, 1, 2] = -y, x
+    return matrix
