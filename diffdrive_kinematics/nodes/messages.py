@@ -33,8 +33,8 @@ from geometry_msgs.msg import (
 from rclpy.serialization import deserialize_message
 
 __all__ = [
-    'OdometryMessage', 'TwistMessage', 'check_stamp', 'command_in', 'given_pose', 'nanoseconds',
-    'pose_in_plane', 'quaternion_of', 'set_stamp']
+    'OdometryMessage', 'TwistMessage', 'check_stamp', 'check_time', 'command_in', 'given_pose',
+    'nanoseconds', 'pose_in_plane', 'quaternion_of', 'set_stamp']
 
 LAST_SECOND = 2**31 - 1
 
@@ -50,6 +50,13 @@ def check_stamp(sec: int, nanosec: int) -> None:
         raise ValueError(
             f'stamp is (sec, nanosec) {(sec, nanosec)!r}, expected nanosec below '
             f'{NANOSECONDS} and sec below {LAST_SECOND}')
+
+
+def check_time(stamp: Time) -> None:
+    """Raise ``ValueError`` for a time that is no stamp, or before the epoch."""
+    check_stamp(stamp.sec, stamp.nanosec)
+    if stamp.sec < 0:
+        raise ValueError(f'time is {stamp.sec} s, expected 0 or later')
 
 
 def set_stamp(stamp: Time, time_ns: int) -> None:

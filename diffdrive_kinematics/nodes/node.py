@@ -26,6 +26,7 @@ from diffdrive_kinematics.nodes.clocks import (
 from diffdrive_kinematics.nodes.diagnostics import Diagnosis, Heard, Look, Reporter, TOPIC
 from diffdrive_kinematics.nodes.entries import Entry
 from diffdrive_kinematics.nodes.last_word import repeat_until_heard
+from diffdrive_kinematics.nodes.messages import check_time
 from diffdrive_kinematics.nodes.parameters import ConfigurationError, ParameterSet
 from diffdrive_kinematics.nodes.polling import Poll, QUEUE_DEPTH as POLLED_QUEUE_DEPTH
 from diffdrive_kinematics.nodes.qos import (
@@ -40,6 +41,7 @@ from rclpy.qos import QoSProfile, ReliabilityPolicy
 from rclpy.service import Service
 from rclpy.subscription import Subscription
 from rclpy.utilities import get_rmw_implementation_identifier
+from rosgraph_msgs.msg import Clock as ClockMessage
 
 __all__ = ['DiffDriveNode']
 
@@ -174,6 +176,14 @@ class DiffDriveNode(Node, Generic[Config]):
         if self._traffic:
             return lambda data: publisher.publish(data)
         return publisher.handle.publish_raw
+
+    def create_subscription(
+            self, msg_type: type, topic: str, callback: Callable[[Any], None], *arguments: Any,
+            **options: Any) -> Subscription:
+        """Return a subscription; that of ``/clock``, which rclpy makes by itself, is guarded."""
+        if msg_type is ClockMessage:
+            callback = self._guarded(topic, _checked_clock(callback))
+        return super().create_subscription(msg_type, topic, callback, *arguments, **options)
 
     def subscribe(
             self, message_type: type, topic: str, callback: Callable[[Any], None], *,
@@ -351,6 +361,15 @@ class DiffDriveNode(Node, Generic[Config]):
             self.last_word()
         else:
             repeat_until_heard(self, self.last_word)
+
+
+def _checked_clock(callback: Callable[[ClockMessage], None]) -> Callable[[ClockMessage], None]:
+    """Return a callback that raises ``ValueError`` for a time that clock or stamps cannot have."""
+    def checked(message: ClockMessage) -> None:
+        check_time(message.clock)
+        callback(message)
+
+    return checked
 
 
 def _nobody(_: bytes) -> None:

@@ -14,6 +14,7 @@
 
 """Killed processes, bad links, floods and clocks that jump: what it costs is known, or nothing."""
 
+from itertools import count, cycle
 import math
 from pathlib import Path
 import random
@@ -291,3 +292,40 @@ def test_a_simulated_clock_that_jumps_by_an_hour_moves_nothing_and_stalls_nothin
     graph.wait_for(lambda: past(passed + 0.2), 'the robot to go on')
     xs = [message.pose.pose.position.x for message in odometry]
     assert max(abs(b - a) for a, b in zip(xs, xs[1:])) < SPEED * 1.0
+
+
+NO_TIMES = [(-1, 0), (-2**31, 5), (2**31 - 1, 0), (100, 10**9), (2**31 - 1, 2**32 - 1)]
+
+
+def test_a_simulated_clock_that_shows_what_is_no_time_ends_no_node_and_they_go_on(graph):
+    odometry = graph.collect(Odometry, 'odom')
+    nodes = {
+        'diff_drive_controller': KHEPERA, 'wheel_noise': {'wheel_radius': 0.021},
+        'simulated_base': {**KHEPERA, 'enable_odom_tf': False, 'path_topic': 'path'},
+        'forward_projection': KHEPERA, 'command_sequence': {'commands': [SPEED, 0.0, 1000.0]}}
+    processes = [graph.start(name, {**parameters, 'use_sim_time': True})
+                 for name, parameters in nodes.items()]
+    clock = graph.publisher(Clock, '/clock', listeners=len(nodes))
+    steps, no_times = count(), cycle(NO_TIMES)
+
+    def show(sec, nanosec):
+        message = Clock()
+        message.clock.sec, message.clock.nanosec = sec, nanosec
+        clock.publish(message)
+
+    def past(x):
+        show(*divmod(10**12 + next(steps) * 20_000_000, 10**9))
+        return odometry and odometry[-1].pose.pose.position.x > x
+
+    def refused():
+        show(*next(no_times))  # of those that come at once a node hears the last one
+        return all(process.output.count("refused message on '/clock': ") > 1
+                   for process in processes)
+
+    graph.wait_for(lambda: past(0.1), 'the robot to drive')
+    passed = odometry[-1].pose.pose.position.x
+    graph.wait_for(refused, 'the refusals')
+    graph.wait_for(lambda: past(passed + 0.1), 'the robot to go on')
+    for process in processes:
+        assert process.running
+        assert 'clock was stepped' not in process.output
