@@ -212,6 +212,14 @@ class Drive(NamedTuple):
             changes += change
         return drive, changes
 
+    def halted(self, now_ns: int) -> 'Drive':
+        """Return the drive with its wheels at rest from ``now_ns`` on, whatever the limits."""
+        stamp = max(now_ns, self.since_ns + 1)
+        left, right = self._angles(stamp)
+        return Drive(
+            self.settings, stamp, left=left, right=right, saturated=self.saturated,
+            limited=self.limited, timeouts=self.timeouts)
+
     def clock_stepped(self, step_ns: int) -> 'Drive':
         """Return the drive as it reads after the clock itself was stepped."""
         return self._replace(

@@ -199,8 +199,8 @@ class DiffDriveController(DiffDriveNode[Config]):
     def last_word(self) -> Sequence[Publisher]:
         """Leave the wheels with the command to stand still."""
         now_ns = self._synchronised_now()
-        telling = self._drive.told(now_ns)
-        self._tell([telling._replace(rates=(0.0, 0.0), twist=STILL)])
+        self._drive = self._drive.halted(now_ns)
+        self._tell([self._drive.told(now_ns)])
         publishers = self._wheels_publisher, self._commands_publisher, self._twist_publisher
         return [publisher for publisher in publishers if publisher]
 

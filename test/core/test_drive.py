@@ -357,6 +357,17 @@ def test_what_is_told_is_never_before_the_last_change():
     assert drive.told(0) == change
 
 
+@pytest.mark.parametrize('settings', [PLAIN, EVERYTHING])
+def test_a_drive_that_is_halted_stands_from_then_on_however_often_and_whatever_was_under_way(
+        settings):
+    drive, (*_, last) = driven(settings, [(S, AHEAD)], end=S + 100 * MS)
+    moving, halted = drive.told(S + 115 * MS), drive.halted(S + 115 * MS)
+    for drive_at_rest in (halted, halted.halted(S + 135 * MS)):
+        assert drive_at_rest.told(9 * S) == (9 * S, (0.0, 0.0), moving.angles, STILL)
+    assert halted.advanced(9 * S) == (halted, [])
+    assert drive.halted(last.stamp_ns).told(last.stamp_ns).stamp_ns == last.stamp_ns + 1
+
+
 @pytest.mark.parametrize('rate', [1.0, 10.0, 500.0])
 def test_a_change_of_the_rate_during_a_ramp_does_not_make_it_steeper(rate):
     """Guard 50 m/s^2 where 1 m/s^2 is allowed."""

@@ -329,3 +329,38 @@ def test_a_simulated_clock_that_shows_what_is_no_time_ends_no_node_and_they_go_o
     for process in processes:
         assert process.running
         assert 'clock was stepped' not in process.output
+
+
+@pytest.mark.parametrize('use_sim_time', [False, True])
+def test_a_robot_whose_controller_ends_at_speed_stands_from_its_last_word_on(graph, use_sim_time):
+    """However often it is said; simulated time stands still since the command came."""
+    settings = {**KHEPERA, 'use_sim_time': use_sim_time}
+    base = graph.start('simulated_base', {
+        **settings, 'enable_odom_tf': False, 'command_timeout': 9.0})
+    controller = graph.start('diff_drive_controller', {**settings, **HELD})
+    odometry, rates = graph.collect(Odometry, 'odom'), graph.collect(JointState, 'wheel_rates')
+    commands = graph.publisher(Twist, 'cmd_vel')
+    clock = graph.node.create_publisher(Clock, '/clock', 1)
+    now = HOUR_NS
+
+    def on(condition):
+        nonlocal now
+        now += 20_000_000
+        message = Clock()
+        message.clock.sec, message.clock.nanosec = divmod(now, 10**9)
+        clock.publish(message)
+        return condition()
+
+    graph.wait_for(lambda: on(lambda: odometry), 'odometry')
+    commands.publish(twist(SPEED, 0.0))
+    graph.wait_for(lambda: rates and rates[-1].velocity[0] > 0.0, 'the robot to drive')
+    assert controller.stop() == 0
+    graph.wait_for(lambda: rates[-1].velocity[0] == 0.0, 'the last word')
+    last = stamp_ns(rates[-1])
+    graph.wait_for(
+        lambda: on(lambda: stamp_ns(odometry[-1]) > last + 500_000_000), 'odometry after it')
+    driving = max(n for n, message in enumerate(rates) if message.velocity[0] > 0.0)
+    assert len({tuple(message.position) for message in rates[driving + 1:]}) == 1
+    rolled = rates[-1].position[0] * KHEPERA['wheel_radius']
+    assert odometry[-1].pose.pose.position.x == pytest.approx(rolled, abs=1e-9)
+    assert 'out of order' not in base.output
