@@ -78,7 +78,7 @@ class Calibrate(DiffDriveNode[Config]):
     def __init__(self, name: str = 'calibrate', **composition: Any) -> None:
         super().__init__(name, CALIBRATE, build, **composition)
         self.collection = Collection()
-        self._written = ''
+        self.written = ''
 
     def listen(self) -> None:
         """Begin to collect."""
@@ -113,15 +113,15 @@ class Calibrate(DiffDriveNode[Config]):
 
     def _on_finish(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
         values, geometry = self.config.values, self.config.geometry
-        if self._written:  # asked again before the end: the answer stays
+        if self.written:  # asked again before the end: the answer stays
             self._farewell.reset()
-            response.success, response.message = True, self._written
+            response.success, response.message = True, self.written
             return response
         self.get_logger().info(f'calibrating {self.collection.summary(geometry)}')
         try:
             calibration = of_segments(
                 values, geometry, self.collection.segments(), clock=values['clock'] or 'none')
-            self._written = response.message = conclude(calibration, values)
+            self.written = response.message = conclude(calibration, values)
         except (ValueError, ConfigurationError) as error:
             response.success, response.message = False, f'{error}; still collecting'
             self.get_logger().error(f'cannot finish: {response.message}')
@@ -189,7 +189,7 @@ def work(stop: Stop) -> int:
 def _collect(node: Calibrate, timers: SteadyTimers, stop: Stop) -> int:
     node.listen()
     spin_node(node, timers, stop)
-    if not node.done:
+    if not node.written:
         print('not finished: nothing is written', flush=True)
     return 0
 
