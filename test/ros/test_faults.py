@@ -22,6 +22,7 @@ import signal
 import statistics
 import time
 
+from builtin_interfaces.msg import Time
 from diffdrive_kinematics.core.arc import advance, Pose
 from diffdrive_kinematics.core.geometry import WheelGeometry
 from geometry_msgs.msg import Twist
@@ -38,6 +39,12 @@ HELD = {'cmd_vel_timeout': 0.0}
 BASE = {**KHEPERA, 'enable_odom_tf': False, 'wheel_motion_topic': 'relayed'}
 HOUR_NS = 3600 * 10**9
 SPEED = 0.2  # [m/s]
+NO_TIMES = [Time(sec=sec, nanosec=nanosec) for sec, nanosec in (
+    (-1, 0), (-2**31, 5), (2**31 - 1, 0), (100, 10**9), (2**31 - 1, 2**32 - 1))]
+
+
+def time_of(time_ns):
+    return Time(sec=time_ns // 10**9, nanosec=time_ns % 10**9)
 
 
 def pose_of(message):
@@ -280,9 +287,7 @@ def test_a_simulated_clock_that_jumps_by_an_hour_moves_nothing_and_stalls_nothin
     def past(x):
         nonlocal now
         now += 20_000_000
-        message = Clock()
-        message.clock.sec, message.clock.nanosec = divmod(now, 10**9)
-        clock.publish(message)
+        clock.publish(Clock(clock=time_of(now)))
         commands.publish(twist(SPEED, 0.0))
         return odometry and odometry[-1].pose.pose.position.x > x
 
@@ -292,9 +297,6 @@ def test_a_simulated_clock_that_jumps_by_an_hour_moves_nothing_and_stalls_nothin
     graph.wait_for(lambda: past(passed + 0.2), 'the robot to go on')
     xs = [message.pose.pose.position.x for message in odometry]
     assert max(abs(b - a) for a, b in zip(xs, xs[1:])) < SPEED * 1.0
-
-
-NO_TIMES = [(-1, 0), (-2**31, 5), (2**31 - 1, 0), (100, 10**9), (2**31 - 1, 2**32 - 1)]
 
 
 def test_a_simulated_clock_that_shows_what_is_no_time_ends_no_node_and_they_go_on(graph):
@@ -308,17 +310,12 @@ def test_a_simulated_clock_that_shows_what_is_no_time_ends_no_node_and_they_go_o
     clock = graph.publisher(Clock, '/clock', listeners=len(nodes))
     steps, no_times = count(), cycle(NO_TIMES)
 
-    def show(sec, nanosec):
-        message = Clock()
-        message.clock.sec, message.clock.nanosec = sec, nanosec
-        clock.publish(message)
-
     def past(x):
-        show(*divmod(10**12 + next(steps) * 20_000_000, 10**9))
+        clock.publish(Clock(clock=time_of(10**12 + next(steps) * 20_000_000)))
         return odometry and odometry[-1].pose.pose.position.x > x
 
     def refused():
-        show(*next(no_times))  # of those that come at once a node hears the last one
+        clock.publish(Clock(clock=next(no_times)))  # of those that come at once one is heard
         return all(process.output.count("refused message on '/clock': ") > 1
                    for process in processes)
 
@@ -346,9 +343,7 @@ def test_a_robot_whose_controller_ends_at_speed_stands_from_its_last_word_on(gra
     def on(condition):
         nonlocal now
         now += 20_000_000
-        message = Clock()
-        message.clock.sec, message.clock.nanosec = divmod(now, 10**9)
-        clock.publish(message)
+        clock.publish(Clock(clock=time_of(now)))
         return condition()
 
     graph.wait_for(lambda: on(lambda: odometry), 'odometry')

@@ -323,7 +323,7 @@ def test_nothing_that_calibrate_hears_takes_it_down_and_it_answers(tmp_path, ref
         @given(st.lists(st.tuples(wheels, odometries(), st.integers(0, 7)), min_size=BATCH,
                         max_size=BATCH), st.integers(1, BATCH))
         def feed(nonsense, heard):
-            held.node.collection, held.node._written = Collection(), ''
+            held.node.collection, held.node.written = Collection(), ''
             for number, (rolled, seen) in enumerate(drive):
                 held.hear('/joint_states', rolled)
                 hear_reference(seen)
