@@ -25,7 +25,9 @@ never on when a sample happened to arrive or how often somebody looked.
 * Without a sample for ``timeout_ns`` the wheels stop exactly at ``last_ns + timeout_ns``.
 * Up to ``last_ns`` the rates are known to have been held: an increment that says otherwise is
   about the time since then, so a lost change of the rates costs one message's arc, no more.
-* A sample between the anchor and ``last_ns`` supersedes what followed it.
+* A sample between the anchor and ``last_ns`` supersedes what followed it.  So does one at the
+  anchor where the wheels have not turned yet: a publisher's first message says that they stand,
+  and the next one, of the same time, that they begin to turn.  Any other is a repeat or too late.
 * A sample without positions is the baseline, 0, from which the positions of its publisher
   count, where it says who it is; of an unknown one it is the first positions after it, up to
   which the rates are held.  The first sample ever heard, and the first of another source (a
@@ -202,6 +204,8 @@ def receive(
         return _stepped(motion, sample, timeout_ns)
     if stamp <= motion.anchor_ns:
         if stamp <= motion.last_ns:
+            if _begins_at_the_anchor(sample, motion):
+                return Received(first_motion(sample), ZERO, Verdict.MOVED)
             again = _is_the_anchor(sample, motion)
             return Received(motion, ZERO, Verdict.REPEATED if again else Verdict.OUT_OF_ORDER)
         stamp = motion.anchor_ns + 1  # it was on its way while the settings changed
@@ -235,6 +239,13 @@ def _is_the_anchor(sample: WheelSample, motion: WheelMotion) -> bool:
     return (sample.stamp_ns == motion.anchor_ns and sample.source == motion.source
             and sample.rates in (None, motion.rates)
             and sample.positions in (None, motion.reference))
+
+
+def _begins_at_the_anchor(sample: WheelSample, motion: WheelMotion) -> bool:
+    """Tell whether wheels that have never turned do so from the time of the anchor on."""
+    return (sample.stamp_ns == motion.anchor_ns == motion.last_ns
+            and sample.source == motion.source and sample.rates not in (None, ZERO)
+            and motion.rates == motion.reference == sample.positions == ZERO)
 
 
 def _renewed(motion: WheelMotion, repeat: WheelSample, held: Pair) -> WheelMotion:

@@ -130,6 +130,17 @@ def test_a_message_that_comes_twice_is_a_repeat_and_one_that_contradicts_it_is_n
         assert result.verdict is Verdict.OUT_OF_ORDER and result.motion == motion
 
 
+def test_wheels_may_begin_to_turn_at_the_time_of_the_first_message_and_no_double_stops_them():
+    first, begin = WheelSample(S, STILL, None, 'one'), WheelSample(S, A, STILL, 'one')
+    motion, angle, verdicts = play([first, begin, first, begin])
+    assert verdicts == [Verdict.MOVED, Verdict.OUT_OF_ORDER, Verdict.REPEATED]
+    assert (motion.rates, motion.anchor_ns, angle) == (A, S, STILL)
+    for other in (replace(begin, source='other'), replace(begin, positions=(1.0, 2.0)),
+                  replace(begin, stamp_ns=S - 1)):
+        assert play([first, other])[2] == [Verdict.OUT_OF_ORDER]
+    assert play([first, replace(first, stamp_ns=S + 1), begin])[2][-1] is Verdict.OUT_OF_ORDER
+
+
 @pytest.mark.parametrize('stamp', [100 * MS, 99 * MS, 0, 100 * MS - S])
 def test_a_sample_at_or_before_the_anchor_is_dropped(stamp):
     motion, _, _ = play([WheelSample(0, A), WheelSample(100 * MS, B)])

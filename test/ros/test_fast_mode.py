@@ -64,3 +64,26 @@ def test_the_demos_course_gives_bitwise_the_same_odometry_and_truth_every_time(g
             both = before.keys() & after.keys()
             assert len(both) > 24 * 50 / 4
             assert all(before[time] == after[time] for time in both)
+
+
+AT_ONCE = """\
+/**:
+  ros__parameters:
+    wheel_radius: 0.021
+    wheel_separation: 0.0885
+    enable_odom_tf: false
+    commands: [0.5, 0.0, 2.0]
+    nodes: [diff_drive_controller, simulated_base, command_sequence]
+    real_time_factor: 0.0
+    clock_step: 0.01
+"""
+
+
+def test_a_course_that_begins_at_the_first_step_moves_the_base_from_there_on(graph, tmp_path):
+    """The controller says at one time that the wheels stand and that they turn."""
+    settings = tmp_path / 'at_once.yaml'
+    settings.write_text(AT_ONCE)
+    sim = graph.start('diffdrive_sim', args=['--ros-args', '--params-file', str(settings)])
+    assert sim.wait() == 0
+    assert 'out of order' not in sim.output
+    assert re.search(r'belief \(/simulated_base\) +1\.0000 +0\.0000', sim.output)
