@@ -269,9 +269,9 @@ def _problem(
         columns.append(Column('delay', 6, None))
     elif clock is not Clock.NONE:
         for n in range(len(segments)):
-            columns.append(Column(f'offset of segment {n + 1}', 6, n))
+            columns.append(Column(f'offset of drive {n + 1}', 6, n))
             if clock is Clock.DRIFTS:
-                columns.append(Column(f'drift of segment {n + 1}', 7, n))
+                columns.append(Column(f'drift of drive {n + 1}', 7, n))
     if not columns:
         raise ValueError('wheels, frame and clock are all given, expected something to fit')
     held = [check_finite('frame', float(value)) for value in frame or NO_FRAME]
@@ -279,7 +279,7 @@ def _problem(
         wheel, seen = segment.time, segment.reference_time
         if seen[-1] <= wheel[0] or wheel[-1] <= seen[0]:
             raise ValueError(
-                f'segment {n + 1} has wheels from {wheel[0]:.3f} to {wheel[-1]:.3f} s and a '
+                f'drive {n + 1} has wheels from {wheel[0]:.3f} to {wheel[-1]:.3f} s and a '
                 f'reference from {seen[0]:.3f} to {seen[-1]:.3f} s, expected stamps of the same '
                 'time')
     chosen = tuple(windows_between(segment, windows.lengths, windows.every, windows.tolerance)

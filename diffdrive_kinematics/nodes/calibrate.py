@@ -91,7 +91,7 @@ class Calibrate(DiffDriveNode[Config]):
         self.subscribe(
             Odometry if odometry else PoseStamped, values['reference_topic'],
             self._on_odometry if odometry else self._on_pose, best_effort=True)
-        self.serve(Trigger, '~/finish', self._on_finish)
+        self.create_service(Trigger, '~/finish', self._on_finish)
         self.every(PROGRESS_RATE, self._report)
         self.get_logger().info(
             f"collecting '{values['motion_topic']}' and '{values['reference_topic']}' until "

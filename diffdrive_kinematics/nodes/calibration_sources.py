@@ -219,13 +219,13 @@ class Collection:
         Raises
         ------
         ValueError
-            If there are no wheel motion or reference poses, or too few of them.
+            If there is no wheel motion or no reference, or too little of them.
 
         """
         drives = [drive for drive in self._drives if drive.reference]
         if not drives:
-            what = 'wheel motion' if not self._drives else 'reference poses'
-            raise ValueError(f'there are no {what} so far, expected some')
+            what = 'reference' if self._drives else 'wheel motion'
+            raise ValueError(f'no {what} has come so far, expected some')
         found = [_segment(drive) for drive in drives]
         segments = [segment for segment in found if segment is not None]
         if not segments:

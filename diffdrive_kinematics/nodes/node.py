@@ -26,11 +26,11 @@ from diffdrive_kinematics.nodes.clocks import (
 from diffdrive_kinematics.nodes.diagnostics import Diagnosis, Heard, Look, Reporter, TOPIC
 from diffdrive_kinematics.nodes.entries import Entry
 from diffdrive_kinematics.nodes.last_word import repeat_until_heard
-from diffdrive_kinematics.nodes.messages import check_time
 from diffdrive_kinematics.nodes.parameters import ConfigurationError, ParameterSet
 from diffdrive_kinematics.nodes.polling import Poll, QUEUE_DEPTH as POLLED_QUEUE_DEPTH
 from diffdrive_kinematics.nodes.qos import (
     check_delivery, Override, overrides_from, overriding_options, reliable)
+from diffdrive_kinematics.nodes.refusals import checked_clock, refusal
 from diffdrive_kinematics.nodes.traffic import Traffic
 from rclpy.clock import Clock
 from rclpy.clock_type import ClockType
@@ -182,7 +182,7 @@ class DiffDriveNode(Node, Generic[Config]):
             **options: Any) -> Subscription:
         """Return a subscription; that of ``/clock``, which rclpy makes by itself, is guarded."""
         if msg_type is ClockMessage:
-            callback = self._guarded(topic, _checked_clock(callback))
+            callback = self._guarded(topic, checked_clock(callback))
         return super().create_subscription(msg_type, topic, callback, *arguments, **options)
 
     def subscribe(
@@ -247,24 +247,24 @@ class DiffDriveNode(Node, Generic[Config]):
 
         return guarded
 
-    def serve(
-            self, service_type: type, name: str, answer: Callable[[Any, Any], Any]) -> Service:
+    def create_service(
+            self, srv_type: type, srv_name: str, callback: Callable[[Any, Any], Any],
+            *arguments: Any, **options: Any) -> Service:
         """
-        Return a service; ``answer`` fills in the response to a request and returns it.
+        Return a service; ``callback`` fills in the response to a request and returns it.
 
         A ``ValueError`` of the callback refuses the request: it is counted and reported, and the
-        response says why where it has ``success`` and ``message``.
+        response says why where it can.  So do the services of parameters, which rclpy makes by
+        itself, for a value that is of no type.
         """
         def guarded(request: Any, response: Any) -> Any:
             try:
-                return answer(request, response)
+                return callback(request, response)
             except ValueError as error:
-                self.refuse(f"request of '{name}': {error}")
-                if hasattr(response, 'success') and hasattr(response, 'message'):
-                    response.success, response.message = False, str(error)
-                return response
+                self.refuse(f"request of '{srv_name}': {error}")
+                return refusal(request, response, str(error))
 
-        return self.create_service(service_type, name, guarded)
+        return super().create_service(srv_type, srv_name, guarded, *arguments, **options)
 
     def _endpoint(
             self, create: Callable[..., Any], message_type: type, topic: str, end: str,
@@ -361,15 +361,6 @@ class DiffDriveNode(Node, Generic[Config]):
             self.last_word()
         else:
             repeat_until_heard(self, self.last_word)
-
-
-def _checked_clock(callback: Callable[[ClockMessage], None]) -> Callable[[ClockMessage], None]:
-    """Return a callback that raises ``ValueError`` for a time that clock or stamps cannot have."""
-    def checked(message: ClockMessage) -> None:
-        check_time(message.clock)
-        callback(message)
-
-    return checked
 
 
 def _nobody(_: bytes) -> None:

@@ -137,7 +137,7 @@ class SimulatedBase(DiffDriveNode[Config]):
         topic = values['set_pose_topic']
         if topic:
             self.subscribe(PoseWithCovarianceStamped, topic, self._on_pose, urgent=False)
-        self.serve(Trigger, '~/reset', self._on_reset)
+        self.create_service(Trigger, '~/reset', self._on_reset)
         self._timer = self.every(values['publish_rate'], self._tick)
         self.parameters.on_change(self._configure)
 

@@ -145,7 +145,7 @@ def test_segments_have_clocks_of_their_own_or_share_a_delay():
 def test_what_is_given_is_held():
     truth = Truth(1.0, 1.0, 1.0)
     fit = fit_trajectory(GEOMETRY, [drive(0, truth)], wheels=False, frame=Pose(*truth[3:6]))
-    assert fit.names == ('offset of segment 1',)
+    assert fit.names == ('offset of drive 1',)
     assert fit.frame == Pose(*truth[3:6])
     assert fit.wheel_separation_multiplier == (1.0, 0.0)
     assert fit.before == fit.after
@@ -209,7 +209,7 @@ def test_what_a_course_does_not_tell_is_refused_by_name(twists, named, unnamed, 
 
 def test_a_constant_course_does_not_tell_the_time():
     steady = drive(0, twists=lambda time: np.tile([0.4, 0.5], (len(time), 1)))
-    with pytest.raises(ValueError, match='do not identify.*offset of segment 1'):
+    with pytest.raises(ValueError, match='do not identify.*offset of drive 1'):
         fit_trajectory(GEOMETRY, [steady])
 
 
@@ -277,7 +277,7 @@ def test_a_reference_of_another_time_is_named_as_such():
     whole = drive(1, Truth(), Disturbance())
     other = segment_from_positions(
         whole.time, whole.angles, whole.reference_time + 1e9, whole.reference)
-    with pytest.raises(ValueError, match='segment 2 .* expected stamps of the same time'):
+    with pytest.raises(ValueError, match='drive 2 .* expected stamps of the same time'):
         fit_trajectory(GEOMETRY, [whole, other])
 
 

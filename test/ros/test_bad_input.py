@@ -21,7 +21,7 @@ from geometry_msgs.msg import Twist, TwistStamped
 from graph import KHEPERA, twist, twist_stamped
 import pytest
 from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
-from rcl_interfaces.srv import GetParameters, SetParameters
+from rcl_interfaces.srv import GetParameters, SetParameters, SetParametersAtomically
 from sensor_msgs.msg import JointState
 
 CONTROLLER = 'diff_drive_controller'
@@ -131,6 +131,23 @@ def test_a_bad_parameter_at_run_time_is_refused_and_the_old_value_stays(graph, c
     commands.publish(twist(0.021, 0.0))
     graph.wait_for(lambda: rates and any(rates[-1].velocity), 'the robot to drive')
     assert rates[-1].velocity[0] == pytest.approx(1.0, rel=1e-12)
+
+
+def test_a_parameter_of_no_type_is_refused_and_what_comes_before_it_holds(graph):
+    controller = graph.start(CONTROLLER, {**KHEPERA, 'cmd_vel_timeout': 0.0})
+    odd = double('wheel_separation', 0.3)
+    odd.value.type = 99
+    change = [double('wheel_radius', 0.042), odd, double('wheel_separation', 0.2)]
+    answer = graph.call(SetParameters, f'{CONTROLLER}/set_parameters',
+                        SetParameters.Request(parameters=change))
+    assert [result.successful for result in answer.results] == [True, False, False]
+    assert '99' in answer.results[1].reason and '99' in controller.output
+    answer = graph.call(SetParametersAtomically, f'{CONTROLLER}/set_parameters_atomically',
+                        SetParametersAtomically.Request(parameters=change))
+    assert not answer.result.successful and '99' in answer.result.reason
+    names = GetParameters.Request(names=['wheel_radius', 'wheel_separation'])
+    answer = graph.call(GetParameters, f'{CONTROLLER}/get_parameters', names)
+    assert [value.double_value for value in answer.values] == [0.042, KHEPERA['wheel_separation']]
 
 
 def test_geometry_can_be_changed_at_run_time_and_integers_are_accepted_for_doubles(graph):
