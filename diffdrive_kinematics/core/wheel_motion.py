@@ -218,7 +218,8 @@ def receive(
         return Received(first_motion(sample), held, Verdict.JUMPED)
     begins = sample.positions is not None and not motion.counted
     as_held = not counts or _same(held, travelled, motion, sample)
-    silent = timeout_ns is not None and stamp > motion.last_ns + timeout_ns
+    silent = (timeout_ns is not None and stamp > motion.last_ns + timeout_ns
+              and motion.rates != ZERO)  # wheels at rest do not stop
     if (sample.rates == motion.rates and motion.holds and same_source and as_held
             and not silent and not begins):
         if stamp < motion.last_ns - tolerance:

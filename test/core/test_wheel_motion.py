@@ -196,6 +196,14 @@ def test_nothing_is_rolled_at_or_before_the_anchor(time_ns):
     assert rolled(first_motion(WheelSample(S, A)), time_ns, T) == STILL
 
 
+def test_wheels_at_rest_may_be_silent_and_a_late_sample_still_finds_them():
+    late = WheelSample(7 * S - 100 * MS, A)
+    motion, angle, verdicts = play(
+        [WheelSample(0, STILL), WheelSample(7 * S, STILL), late], now_ns=7 * S)
+    assert verdicts == [Verdict.REPEATED, Verdict.MOVED]
+    assert (motion.anchor_ns, motion.rates, angle) == (late.stamp_ns, A, (0.0, 0.0))
+
+
 def test_the_same_rates_after_silence_only_rolled_until_the_timeout():
     samples = [WheelSample(0, A), WheelSample(2 * S, A)]
     motion, angle, verdicts = play(samples)

@@ -30,11 +30,13 @@ COMMANDS = [(0.1, 0.0), (0.05, 1.5), (-0.08, 0.7), (0.0, -2.0), (0.12, 1e-7), (0
 RATES = [(base, controller) for base in (10.0, 50.0, 200.0) for controller in (10.0, 100.0)]
 
 
-def start_stack(graph, *, base_rate=50.0, controller_rate=50.0, **controller):
+def start_stack(
+        graph, *, base_rate=50.0, controller_rate=50.0, command_timeout=0.5, **controller):
     graph.start('diff_drive_controller', {
         **KHEPERA, 'publish_rate': controller_rate, 'cmd_vel_timeout': 0.0, **controller})
     graph.start('simulated_base', {
-        **KHEPERA, 'publish_rate': base_rate, 'enable_odom_tf': False})
+        **KHEPERA, 'publish_rate': base_rate, 'command_timeout': command_timeout,
+        'enable_odom_tf': False})
     odometry = graph.collect(Odometry, 'odom')
     rates = graph.collect(JointState, 'wheel_rates')
     graph.wait_for(lambda: odometry and rates, 'odometry and wheel rates')
@@ -96,7 +98,7 @@ def test_stamped_commands_compose_exactly_at_the_stamps_that_were_sent(
 
 def test_stamped_commands_that_come_late_and_all_at_once_compose_exactly_too(graph):
     odometry, _ = start_stack(
-        graph, enable_stamped_cmd_vel=True, stamp_tolerance=60.0)
+        graph, command_timeout=60.0, enable_stamped_cmd_vel=True, stamp_tolerance=60.0)
     commands = graph.publisher(TwistStamped, 'cmd_vel')
     first = stamp_ns(odometry[0])
     graph.wait_for(lambda: stamp_ns(odometry[-1]) > first + 700_000_000, 'some time to pass')
