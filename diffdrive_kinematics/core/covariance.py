@@ -33,8 +33,7 @@ from typing import NamedTuple, Tuple
 from diffdrive_kinematics.core.arc import advance, Pose
 from diffdrive_kinematics.core.checks import check_non_negative, check_positive
 from diffdrive_kinematics.core.distributions import heading_variance
-from diffdrive_kinematics.core.geometry import (
-    Number, pose_change_from_travel, WheelGeometry)
+from diffdrive_kinematics.core.geometry import Number, pose_change_from_travel, WheelGeometry
 import numpy as np
 from numpy.typing import NDArray
 

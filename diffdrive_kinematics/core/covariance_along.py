@@ -11,6 +11,7 @@
 # WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
 # See the License for the specific language governing permissions and
 # limitations under the License.
+
 """
 Covariance that slip gathers along a recorded path, all of its arcs at once.
 
@@ -59,20 +60,20 @@ def covariance_along(geometry: WheelGeometry, travel: Array) -> Tuple[Pose, Arra
     theta = np.cumsum(turn)
     way, chord = theta - half, distance * sinc(half)
     x, y = np.cumsum(chord * np.cos(way)), np.cumsum(chord * np.sin(way))
-    added = _added(geometry.separation, travel, distance, half)
+    added = _added(geometry.separation, travel, chord, half)
     onward = swings(x[-1] - x, y[-1] - y) @ rotations(way)
     gathered: Array = np.einsum('nij,nwjk,nlk->wil', onward, added, onward, optimize=True)
     return Pose(float(x[-1]), float(y[-1]), float(theta[-1])), gathered
 
 
-def _added(separation: float, travel: Array, distance: Array, half: Array) -> Array:
+def _added(separation: float, travel: Array, chord: Array, half: Array) -> Array:
     """Return what each arc adds, in the axes of its middle direction, shape (n, 2, 3, 3)."""
     e_mean, e_square, sine_square = (values[:, None] for values in _arc_means(half))
     cosine, sign = np.cos(half)[:, None], np.array([-1.0, 1.0])
     variance = np.abs(travel)
     lever = -sign * travel[:, ::-1] / (2.0 * separation)
     along = 0.5 * cosine + lever * e_mean
-    across = (distance * sinc(half) / (2.0 * separation))[:, None]
+    across = (chord / (2.0 * separation))[:, None]
     added = np.empty((len(travel), 2, 3, 3))
     added[..., 0, 0] = variance * (
         0.25 * cosine**2 + lever * (cosine * e_mean + lever * e_square))

@@ -11,6 +11,7 @@
 # WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
 # See the License for the specific language governing permissions and
 # limitations under the License.
+
 """Stacks of the 3x3 matrices by which errors of (x, y, theta) turn and swing with a motion."""
 
 import numpy as np

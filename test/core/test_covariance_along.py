@@ -11,6 +11,7 @@
 # WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
 # See the License for the specific language governing permissions and
 # limitations under the License.
+
 """Covariance along a whole path beside that of one arc after another."""
 
 from diffdrive_kinematics.core.arc import Pose
