@@ -71,10 +71,11 @@ class WheelSlip:
 
     Examples
     --------
-    A wheel that covers 1 % less than it should, and 1 mm more or less on the first metre:
+    A wheel that covers 1 % less than it should, give or take 1 mm on the first metre:
 
-    >>> WheelSlip(bias=-0.01, variance=1e-6).model
-    'travel'
+    >>> slip = WheelSlip(bias=-0.01, variance=1e-6)
+    >>> f'{math.sqrt(travel_variance(slip, 1.0)):.3f} m'
+    '0.001 m'
 
     """
 

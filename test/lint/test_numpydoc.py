@@ -15,11 +15,13 @@
 """The public docstrings of the core say all that a caller needs, in the form of numpydoc."""
 
 import ast
+import enum
 from functools import cached_property
 import importlib
 import inspect
 from pathlib import Path
 import pkgutil
+import re
 import textwrap
 
 from diffdrive_kinematics import core
@@ -62,6 +64,15 @@ def is_computed(value):
     return isinstance(value, (property, cached_property))
 
 
+def spared(value):
+    """Return the codes of checks that make no sense of an object."""
+    if is_computed(value):
+        return {'EX01'}
+    if inspect.isclass(value) and issubclass(value, enum.Enum):
+        return {'PR01'}  # the signature is that of a look-up
+    return set()
+
+
 def refuses(value):
     """Return whether a function raises by itself, or a class or function checks its values."""
     tree = ast.parse(textwrap.dedent(inspect.getsource(value)))
@@ -79,7 +90,7 @@ def findings(name, value, checks):
     """Return what lacks in the docstring of an object."""
     document = docscrape.get_doc_object(value)
     found = [f'{name}: {code} {text}' for code, text in validation.validate(document)['errors']
-             if code in checks and not (code == 'EX01' and is_computed(value))]
+             if code in checks and code not in spared(value)]
     if not is_computed(value):
         if refuses(value) and not document['Raises']:
             found.append(f'{name}: it refuses values, but has no section "Raises"')
@@ -89,14 +100,16 @@ def findings(name, value, checks):
 
 
 def shown_elsewhere(name, value):
-    """Return whether the examples refer to a class of the module whose example uses it."""
+    """Return whether the examples refer to one of the module that uses or returns this."""
     short, module = name.rpartition('.')[2], inspect.getmodule(value)
     text = '\n'.join(docscrape.get_doc_object(value)['Examples'])
-    return any(
-        f':class:`{other}`' in text
-        and any('>>> ' in line and short in line
-                for line in docscrape.get_doc_object(vars(module)[other])['Examples'])
-        for other in vars(module))
+    for other in re.findall(r':(?:class|func):`(\w+)`', text):
+        document = docscrape.get_doc_object(vars(module)[other])
+        code = [line for line in document['Examples'] if '>>> ' in line or '... ' in line]
+        returned = {each.type for each in document['Returns']}
+        if code and (short in returned or any(short in line for line in code)):
+            return True
+    return False
 
 
 @pytest.fixture(scope='module')
