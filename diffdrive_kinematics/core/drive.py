@@ -244,6 +244,8 @@ class Drive(NamedTuple):
         allowed = Twist(settings.linear.limit_velocity(self.target.v),
                         settings.angular.limit_velocity(self.target.w))
         goal, rates, factor = self._saturated(allowed)
+        if factor < 1.0:
+            goal, rates, _ = self._saturated(goal)  # the rates of the twist as it was rounded
         twist, settled, held_back = goal, not settings.ramps, False
         if settings.ramps:
             v, w, held_back = ramp_step(
