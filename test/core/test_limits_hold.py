@@ -146,6 +146,7 @@ def check_step(old, new, goal, came_anew):
         law, start, end, aim = Law.of(limits), old.twist[axis], new.twist[axis], goal[axis]
         low, high = min(start, aim), max(start, aim)
         assert low - DIGITS <= end <= high + DIGITS, 'outside current and goal'
+        assert (end - start) * (aim - start) >= 0.0 or high - low < DIGITS, 'away from the goal'
         assert min(law.low, start) - DIGITS <= end <= max(law.high, start) + DIGITS
         assert law.seconds(start, end) <= dt * (1.0 + 1e-9) + law.seconds(0.0, DIGITS), (
             'acceleration')
@@ -160,9 +161,27 @@ def check_step(old, new, goal, came_anew):
                         for drive in (old, new)), key=lambda value: abs(value - start))
             least = towards * max(0.0, before - fall)
             assert not could_end(law, start, least, fall, room, dt), 'jerk: for no reason'
+    laws = Law.of(settings.linear), Law.of(settings.angular)
+    if all(math.isinf(law.rise) and math.isinf(law.fall) for law in laws):
+        check_haste(old, new, goal, dt)
 
 
-def check_wheels(drive):
+def check_haste(old, new, goal, dt):
+    """Hold an axis that limits of acceleration would let go on to a wheel being at its bound."""
+    settings = old.settings
+    limits = settings.linear, settings.angular
+    held_back = any(
+        abs(new.twist[axis] - goal[axis]) > DIGITS
+        and Law.of(limits[axis]).seconds(old.twist[axis], new.twist[axis]) < 0.999 * dt
+        for axis in AXES)
+    turned_round = any(old.twist[axis] * goal[axis] < 0.0 for axis in AXES)
+    unequal = settings.geometry.left_radius != settings.geometry.right_radius
+    if held_back and not (turned_round or unequal):
+        assert max(map(abs, new.rates)) == pytest.approx(settings.max_wheel_rate, rel=1e-9)
+
+
+def check_state(drive):
+    assert drive.step_ns is not None or drive.before == drive.twist, 'at rest, yet accelerating'
     bound = drive.settings.max_wheel_rate
     assert math.isnan(bound) or max(map(abs, drive.rates)) <= bound
     assert twist_from_wheel_rates(drive.settings.geometry, *drive.rates) == pytest.approx(
@@ -200,25 +219,31 @@ class Driver:
 
     def configure(self, settings, time_ns):
         self.to(time_ns)
-        before = self.drive._replace(settings=settings)
+        before, rate_before = (
+            self.drive._replace(settings=settings), self.drive.settings.publish_rate)
         self.drive = self.drive.configured(settings, time_ns)[0]
         factor = share_within(settings, before.twist) if settings.ramps else 1.0
         if factor < 1.0 - DIGITS:
             assert self.drive.twist == pytest.approx(
                 [factor * value for value in before.twist], abs=DIGITS)
             assert self.drive.before == self.drive.twist, 'the cut is not taken for acceleration'
-            check_wheels(self.drive)
+            check_state(self.drive)
         elif before.step_ns is None or not settings.ramps:
             self._check(before)
         else:
-            assert self.drive.twist == pytest.approx(before.twist, abs=DIGITS)
-            check_wheels(self.drive)
+            assert self.drive.twist == before.twist
+            for axis in AXES:
+                was, is_now = (
+                    (drive.twist[axis] - drive.before[axis]) * rate for drive, rate in (
+                        (before, rate_before), (self.drive, settings.publish_rate)))
+                assert is_now == pytest.approx(was, rel=1e-5, abs=DIGITS * settings.publish_rate)
+            check_state(self.drive)
 
     def _check(self, before):
         goal = goal_of(before)
         check_step(before, self.drive, goal,
                    goal != self.goal or before.settings is not self.settings)
-        check_wheels(self.drive)
+        check_state(self.drive)
         self.goal, self.settings, self.steps = goal, before.settings, self.steps + 1
 
 
