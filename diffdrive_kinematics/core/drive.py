@@ -95,7 +95,7 @@ class DriveSettings:
 
     @cached_property
     def wheel_bound(self) -> Optional[WheelBound]:
-        """The twists that the wheels can do; None where ``max_wheel_rate`` is no bound."""
+        """Return the twists that the wheels can do; None where ``max_wheel_rate`` is no bound."""
         bounded = math.isfinite(self.max_wheel_rate)
         return wheel_bound(self.geometry, self.max_wheel_rate) if bounded else None
 
@@ -264,8 +264,9 @@ class Drive(NamedTuple):
         return drive._turning(rates, time_ns)
 
     def _turning(
-            self, rates: Tuple[float, float], time_ns: int) -> Tuple['Drive', List[DriveTelling]]:
-        """Return the drive whose wheels turn at other rates from ``time_ns`` on, and the change."""
+            self, rates: Tuple[float, float],
+            time_ns: int) -> Tuple['Drive', List[DriveTelling]]:
+        """Return the drive with other wheel rates from ``time_ns`` on, and the change."""
         left, right = self._angles(time_ns)
         drive = self._replace(since_ns=time_ns, rates=rates, left=left, right=right)
         return drive, [drive.told(time_ns)]
@@ -277,18 +278,13 @@ class Drive(NamedTuple):
         return self._replace(before=before, step_ns=now_ns + self.settings.period_ns)
 
     def _on_new_wheels(self, time_ns: int) -> Tuple['Drive', List[DriveTelling]]:
-        """
-        Hold new geometry and a new bound at once, in the midst of a ramp or not.
-
-        No wheel turns faster than it can: a twist beyond the bound is cut to it, whatever its
-        acceleration, and ramps on from there a step later.
-        """
+        """Hold new wheels at once: a twist beyond their bound is cut, and ramps on from there."""
         twist, rates, factor = self._saturated(self.twist)
         drive = self
         if factor < 1.0:
+            step = time_ns + self.settings.period_ns if self.step_ns is None else self.step_ns
             drive = self._replace(
-                twist=twist, before=twist, step_ns=self.step_ns or time_ns + self.settings.period_ns,
-                saturated=self.saturated + 1)
+                twist=twist, before=twist, step_ns=step, saturated=self.saturated + 1)
         return drive._turning(rates, time_ns) if rates != self.rates else (drive, [])
 
     def _saturated(self, twist: Twist) -> Tuple[Twist, Tuple[float, float], float]:

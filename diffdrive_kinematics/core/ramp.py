@@ -75,6 +75,6 @@ def ramp_step(
 
 
 def _aim(goal: float, current: float, room: Pair) -> float:
-    """Return what is nearest to the goal in the room; the current value is in it, but for digits."""
+    """Return what is nearest to the goal in the room, or the current value; never a way back."""
     aim = min(max(goal, room[0]), room[1])
     return aim if min(current, goal) <= aim <= max(current, goal) else current
