@@ -31,7 +31,8 @@ from diffdrive_kinematics.core.checks import (
 from diffdrive_kinematics.core.compensated import RunningSum
 from diffdrive_kinematics.core.geometry import wheel_rates_from_twist, WheelGeometry
 from diffdrive_kinematics.core.limits import AxisLimits
-from diffdrive_kinematics.core.saturation import saturate, SaturatedRates
+from diffdrive_kinematics.core.ramp import ramp_step
+from diffdrive_kinematics.core.saturation import saturate, wheel_bound, WheelBound
 
 __all__ = ['Drive', 'DriveSettings', 'DriveTelling', 'Twist']
 
@@ -91,6 +92,12 @@ class DriveSettings:
     def ramps(self) -> bool:
         """Whether a change of the twist takes more than one step."""
         return self.linear.ramps or self.angular.ramps
+
+    @cached_property
+    def wheel_bound(self) -> Optional[WheelBound]:
+        """Return the twists that the wheels can do; None where ``max_wheel_rate`` is no bound."""
+        bounded = math.isfinite(self.max_wheel_rate)
+        return wheel_bound(self.geometry, self.max_wheel_rate) if bounded else None
 
     @cached_property
     def period_ns(self) -> int:
@@ -207,6 +214,10 @@ class Drive(NamedTuple):
         drive = drive._replace(settings=settings)
         if drive.step_ns is not None and settings.period_ns != self.settings.period_ns:
             drive = drive._on_grid_from(now_ns, settings.period_ns / self.settings.period_ns)
+        wheels = settings.geometry, settings.max_wheel_rate
+        if settings.ramps and wheels != (self.settings.geometry, self.settings.max_wheel_rate):
+            drive, change = drive._on_new_wheels(max(now_ns, drive.since_ns + 1))
+            changes += change
         if drive.step_ns is None or not settings.ramps:
             drive, change = drive._stepped(max(now_ns, drive.since_ns + 1))
             changes += change
@@ -229,25 +240,35 @@ class Drive(NamedTuple):
 
     def _stepped(self, time_ns: int) -> Tuple['Drive', List[DriveTelling]]:
         """Take one step towards the target at ``time_ns``; without ramps it gets there."""
-        allowed = Twist(self.settings.linear.limit_velocity(self.target.v),
-                        self.settings.angular.limit_velocity(self.target.w))
-        goal, cut = self._saturated(allowed)
-        within_reach = self._towards(goal)
-        if within_reach is goal and cut.factor == 1.0:
-            twist, (left, right, factor) = goal, cut
-        else:
-            twist, (left, right, factor) = self._saturated(within_reach)
-        settled = not self.settings.ramps or twist == self.twist == self.before
+        settings = self.settings
+        allowed = Twist(settings.linear.limit_velocity(self.target.v),
+                        settings.angular.limit_velocity(self.target.w))
+        goal, rates, factor = self._saturated(allowed)
+        if factor < 1.0:
+            goal, rates, _ = self._saturated(goal)  # the rates of the twist as it was rounded
+        twist, settled, held_back = goal, not settings.ramps, False
+        if settings.ramps:
+            v, w, held_back = ramp_step(
+                goal, current=self.twist, before=self.before, dt=1.0 / settings.publish_rate,
+                linear=settings.linear, angular=settings.angular, bound=settings.wheel_bound)
+            twist = Twist(v, w)
+            rates = self._saturated(twist)[1]  # within the bound to the last digit
+            settled = twist == self.twist == self.before
         drive = self._replace(
-            twist=twist, before=self.twist,
-            step_ns=None if settled else time_ns + self.settings.period_ns,
-            saturated=self.saturated + (min(cut.factor, factor) < 1.0),
-            limited=self.limited + (allowed != self.target or within_reach != goal))
-        if (left, right) == self.rates and twist == self.twist:
+            twist=twist, before=self.twist if settings.ramps else twist,
+            step_ns=None if settled else time_ns + settings.period_ns,
+            saturated=self.saturated + (factor < 1.0 or held_back),
+            limited=self.limited + (allowed != self.target or twist != goal))
+        if rates == self.rates and twist == self.twist:
             return drive, []
-        angle_left, angle_right = self._angles(time_ns)
-        drive = drive._replace(
-            since_ns=time_ns, rates=(left, right), left=angle_left, right=angle_right)
+        return drive._turning(rates, time_ns)
+
+    def _turning(
+            self, rates: Tuple[float, float],
+            time_ns: int) -> Tuple['Drive', List[DriveTelling]]:
+        """Return the drive with other wheel rates from ``time_ns`` on, and the change."""
+        left, right = self._angles(time_ns)
+        drive = self._replace(since_ns=time_ns, rates=rates, left=left, right=right)
         return drive, [drive.told(time_ns)]
 
     def _on_grid_from(self, now_ns: int, ratio: float) -> 'Drive':
@@ -256,21 +277,21 @@ class Drive(NamedTuple):
                        self.twist.w - ratio * (self.twist.w - self.before.w))
         return self._replace(before=before, step_ns=now_ns + self.settings.period_ns)
 
-    def _saturated(self, twist: Twist) -> Tuple[Twist, SaturatedRates]:
-        rates = saturate(*wheel_rates_from_twist(self.settings.geometry, *twist),
-                         self.settings.max_wheel_rate)
-        return Twist(twist.v * rates.factor, twist.w * rates.factor), rates
+    def _on_new_wheels(self, time_ns: int) -> Tuple['Drive', List[DriveTelling]]:
+        """Hold new wheels at once: a twist beyond their bound is cut, and ramps on from there."""
+        twist, rates, factor = self._saturated(self.twist)
+        drive = self
+        if factor < 1.0:
+            step = time_ns + self.settings.period_ns if self.step_ns is None else self.step_ns
+            drive = self._replace(
+                twist=twist, before=twist, step_ns=step, saturated=self.saturated + 1)
+        return drive._turning(rates, time_ns) if rates != self.rates else (drive, [])
 
-    def _towards(self, goal: Twist) -> Twist:
-        """Return the twist a step nearer to the goal: a goal within reach keeps its curvature."""
-        if not self.settings.ramps:
-            return goal
-        dt = 1.0 / self.settings.publish_rate
-        return Twist(
-            self.settings.linear.limit(
-                goal.v, current=self.twist.v, before=self.before.v, dt=dt),
-            self.settings.angular.limit(
-                goal.w, current=self.twist.w, before=self.before.w, dt=dt))
+    def _saturated(self, twist: Twist) -> Tuple[Twist, Tuple[float, float], float]:
+        left, right, factor = saturate(
+            *wheel_rates_from_twist(self.settings.geometry, *twist),
+            self.settings.max_wheel_rate)
+        return Twist(twist.v * factor, twist.w * factor), (left, right), factor
 
     def _angles(self, time_ns: int) -> Tuple[RunningSum, RunningSum]:
         seconds = (time_ns - self.since_ns) / NANOSECONDS

@@ -27,8 +27,8 @@ limit                         sign   where NaN
 ``max_acceleration_reverse``  < 0    ``-max_acceleration``; speeding up in reverse
 ``max_deceleration``          < 0    ``max_acceleration_reverse``; slowing down, forward
 ``max_deceleration_reverse``  > 0    ``-max_deceleration``; slowing down in reverse
-``max_jerk``                  > 0    no limit
-``min_jerk``                  < 0    ``-max_jerk``
+``max_jerk``                  > 0    no limit; rise of the acceleration
+``min_jerk``                  < 0    ``-max_jerk``; fall of the acceleration
 ============================  =====  ========================================================
 """
 
@@ -36,6 +36,8 @@ from dataclasses import dataclass
 from functools import cached_property
 import math
 from typing import Tuple
+
+from diffdrive_kinematics.core.easing import eased
 
 __all__ = ['AxisLimits']
 
@@ -109,16 +111,30 @@ class AxisLimits:
         bounds = (*self.forward_rates, *self.reverse_rates, *self.jerk_range)
         return not all(math.isinf(bound) for bound in bounds)
 
+    @cached_property
+    def eases(self) -> bool:
+        """Whether a change of acceleration takes time: a jerk is limited."""
+        return not all(math.isinf(jerk) for jerk in self.jerk_range)
+
     def limit(self, target: float, *, current: float, before: float, dt: float) -> float:
         """
         Return the velocity ``dt`` [s] after ``current`` on the way to ``target``.
 
-        ``before`` is the velocity dt before ``current``.  Jerk, acceleration, velocity are
-        limited in this order.
+        ``before`` is the velocity dt before ``current``.  The target is limited to the range of
+        velocities, then jerk and acceleration on the way to it.
         """
-        velocity = self.limit_jerk(target, current=current, before=before, dt=dt)
-        velocity = self.limit_acceleration(velocity, current=current, dt=dt)
-        return self.limit_velocity(velocity)
+        return self.towards(
+            self.limit_velocity(target), current=current, before=before, dt=dt)
+
+    def towards(self, target: float, *, current: float, before: float, dt: float) -> float:
+        """
+        Return the velocity ``dt`` [s] after ``current``, with jerk and acceleration limited.
+
+        It is never outside the interval from ``current`` to ``target``, whatever the limits.
+        """
+        if self.eases:
+            target = self.limit_jerk(target, current=current, before=before, dt=dt)
+        return self.limit_acceleration(target, current=current, dt=dt)
 
     def limit_velocity(self, target: float) -> float:
         """Return the target, clamped to the velocity range."""
@@ -142,19 +158,22 @@ class AxisLimits:
 
     def limit_jerk(self, target: float, *, current: float, before: float, dt: float) -> float:
         """
-        Return the target, with the growth of the acceleration limited.
+        Return the target, with growth and fall of the acceleration towards it limited.
 
-        As in ros2_controllers only growth towards the target is limited: on arrival the
-        acceleration may end at once, so that the velocity does not overshoot and swing
-        (control_toolbox issue 240).
+        Where the acceleration points away from the target it ends at once.  Where it is larger
+        than can end at the target, as when the target has come nearer, it falls at once to what
+        can: to keep within current and target goes before the limit of jerk.
         """
-        change, change_before = target - current, current - before
-        if not (change - change_before) * change > 0.0:
+        if target == current:
             return target
         low, high = self.jerk_range
-        wanted = change - change_before
-        growth = min(max(wanted, low * dt * dt), high * dt * dt)
-        return target if growth == wanted else current + change_before + growth
+        if target > current:
+            return eased(
+                target, current=current, before=before, dt=dt, rise=high, fall=-low,
+                up=self.forward_rates[0], down=self.reverse_rates[1])
+        return -eased(
+            -target, current=-current, before=-before, dt=dt, rise=-low, fall=high,
+            up=self.reverse_rates[0], down=self.forward_rates[1])
 
 
 def _or(value: float, default: float) -> float:

@@ -12,12 +12,21 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Saturation of the wheel rates by one common factor, so that the path keeps its shape."""
+"""
+The bound of the wheel rates: in the twist that is asked for, and on the way to it.
+
+What is asked for is saturated by one common factor, so that the path keeps its shape.  On the way
+there v and w ramp each by its own limits, and the bound says how far one may be with the other.
+"""
 
 import math
-from typing import NamedTuple
+from typing import NamedTuple, Tuple
 
-__all__ = ['SaturatedRates', 'saturate']
+from diffdrive_kinematics.core.geometry import WheelGeometry
+
+__all__ = ['SaturatedRates', 'WheelBound', 'saturate', 'wheel_bound']
+
+ROUNDING = 2e-15  # what is saturated is within the bound in spite of its last digits
 
 
 class SaturatedRates(NamedTuple):
@@ -46,3 +55,38 @@ def saturate(left: float, right: float, max_wheel_rate: float) -> SaturatedRates
 def _scaled(rate: float, factor: float, bound: float) -> float:
     """Scale, and keep the last digit's rounding from passing the bound."""
     return math.copysign(min(abs(rate) * factor, bound), rate)
+
+
+class WheelBound(NamedTuple):
+    """
+    The twists whose wheels are within a bound: a parallelogram about 0.
+
+    Parameters
+    ----------
+    left, right : float
+        Largest speeds [m/s] of the floor under the wheels.
+    half : float
+        Half of the wheel separation [m].
+
+    """
+
+    left: float
+    right: float
+    half: float
+
+    def speeds(self, w: float) -> Tuple[float, float]:
+        """Return the lowest and highest forward speed [m/s] beside a yaw rate [rad/s]."""
+        turn = self.half * w
+        return max(turn - self.left, -turn - self.right), min(turn + self.left, self.right - turn)
+
+    def yaw_rates(self, v: float) -> Tuple[float, float]:
+        """Return the lowest and highest yaw rate [rad/s] beside a forward speed [m/s]."""
+        return (max(v - self.left, -v - self.right) / self.half,
+                min(v + self.left, self.right - v) / self.half)
+
+
+def wheel_bound(geometry: WheelGeometry, max_wheel_rate: float) -> WheelBound:
+    """Return the twists for which no wheel exceeds ``max_wheel_rate`` [rad/s]."""
+    rate = max_wheel_rate * (1.0 + ROUNDING)
+    return WheelBound(
+        geometry.left_radius * rate, geometry.right_radius * rate, 0.5 * geometry.separation)

@@ -96,8 +96,9 @@ LIMITS = {
     'max_acceleration_reverse': 'speeding up in reverse, below 0; NaN: -max_acceleration',
     'max_deceleration': 'slowing down forward, below 0; NaN: max_acceleration_reverse',
     'max_deceleration_reverse': 'slowing down in reverse, above 0; NaN: -max_deceleration',
-    'max_jerk': 'growth of the acceleration, above 0; NaN: no limit',
-    'min_jerk': 'the same in reverse, below 0; NaN: -max_jerk',
+    'max_jerk': 'rise of the acceleration (as speeding up forward begins and braking ends), above '
+                '0; NaN: no limit',
+    'min_jerk': 'fall of the acceleration, below 0; NaN: -max_jerk',
     'min_acceleration': 'older YAML: bound of every fall of the velocity, below 0'}
 SWITCHES = {  # what their limits have in their names
     'has_velocity_limits': 'velocity', 'has_acceleration_limits': 'celeration',
