@@ -26,6 +26,7 @@ from diffdrive_kinematics.nodes.clocks import (
 from diffdrive_kinematics.nodes.diagnostics import Diagnosis, Heard, Look, Reporter, TOPIC
 from diffdrive_kinematics.nodes.entries import Entry
 from diffdrive_kinematics.nodes.last_word import repeat_until_heard
+from diffdrive_kinematics.nodes.overrides import given_overrides
 from diffdrive_kinematics.nodes.parameters import ConfigurationError, ParameterSet
 from diffdrive_kinematics.nodes.polling import Poll, QUEUE_DEPTH as POLLED_QUEUE_DEPTH
 from diffdrive_kinematics.nodes.qos import (
@@ -292,7 +293,7 @@ class DiffDriveNode(Node, Generic[Config]):
 
     def _judged_overrides(self) -> Dict[Tuple[str, str], Tuple[Override, ...]]:
         """Return the overrides of quality of service that the YAML has."""
-        given = getattr(self, '_parameter_overrides', {})
+        given = given_overrides(self)
         return self._refuse_start(
             overrides_from, {name: parameter.value for name, parameter in given.items()})
 

@@ -25,7 +25,9 @@ from typing import Any, Callable, Dict, Generic, Iterable, Mapping, Optional, Tu
 
 from diffdrive_kinematics.nodes import tables
 from diffdrive_kinematics.nodes.entries import Entry, Kind
+from diffdrive_kinematics.nodes.overrides import given_overrides
 from diffdrive_kinematics.nodes.qos import PREFIX as QOS_PREFIX
+from diffdrive_kinematics.nodes.refusals import ConfigurationError
 from rcl_interfaces.msg import ParameterDescriptor, SetParametersResult
 from rclpy.node import Node
 from rclpy.parameter import Parameter
@@ -34,10 +36,6 @@ __all__ = ['ConfigurationError', 'ParameterSet', 'coerce']
 
 Config = TypeVar('Config')
 BUILT_IN = ('use_sim_time', 'start_type_description_service')
-
-
-class ConfigurationError(Exception):
-    """Parameters with which a node refuses to start; the text says what to set."""
 
 
 def coerce(entry: Entry, value: Any) -> Any:
@@ -195,7 +193,7 @@ class ParameterSet(Generic[Config]):
     def _report_unknown(self) -> None:
         """Report overrides that this node ignores: typos, and what only a peer knows."""
         logger = self._node.get_logger()
-        for name in getattr(self._node, '_parameter_overrides', {}):
+        for name in given_overrides(self._node):
             if name in self._table or name in BUILT_IN or name in tables.KNOWN_NAMES:
                 continue
             if name.startswith(QOS_PREFIX):
