@@ -32,8 +32,10 @@ if TYPE_CHECKING:
 
 CLASSES = {  # imported where they are composed: a robot of two nodes starts without the others
     'diff_drive_controller': 'DiffDriveController', 'wheel_noise': 'WheelNoise',
-    'simulated_base': 'SimulatedBase', 'command_sequence': 'CommandSequence',
+    'simulated_base': 'SimulatedBase', 'wheel_odometry': 'WheelOdometry',
+    'command_sequence': 'CommandSequence',
     'forward_projection': 'ForwardProjection', 'robot_description': 'RobotDescription'}
+BASES = 'simulated_base', 'wheel_odometry'
 PROGRESS_LINES = 10
 REST_TIMEOUT_NS = 5_000_000_000
 
@@ -89,8 +91,10 @@ class DiffDriveSim(DiffDriveNode[Config]):
         shared: Dict[str, Any] = {'timers': self._steady}
         if self.config.clock_step_ns:
             shared = {'stepped': SteppedClock(), 'traffic': Traffic()}
+        neighbours = tuple(member.name for member in self.config.members)
         self.members: List[DiffDriveNode] = [
-            _class(member.kind)(member.name, namespace=member.namespace, **shared)
+            _class(member.kind)(
+                member.name, namespace=member.namespace, neighbours=neighbours, **shared)
             for member in self.config.members]
         self.stepper: Any = None
         if self.config.clock_step_ns:
@@ -102,9 +106,9 @@ class DiffDriveSim(DiffDriveNode[Config]):
         self._shown = -1
         self._rest_by_ns = 0
 
-    def _of(self, kind: str) -> List[Any]:
+    def _of(self, *kinds: str) -> List[Any]:
         return [node for node, member in zip(self.members, self.config.members)
-                if member.kind == kind]
+                if member.kind in kinds]
 
     def run(self, stop: Stop) -> None:
         """Run until the sequences are done and the robot rests, or until asked to stop."""
@@ -130,7 +134,7 @@ class DiffDriveSim(DiffDriveNode[Config]):
             for node in self._of('wheel_noise')}
         bases = [
             (base, base.resolve_topic_name(base.config.values['wheel_motion_topic']) in noisy)
-            for base in self._of('simulated_base')]
+            for base in self._of(*BASES)]
         with_truth = len({fed for _, fed in bases}) == 2
         return [
             Robot(base.get_fully_qualified_name(), 'truth' if fed and with_truth else 'belief',
@@ -147,7 +151,7 @@ class DiffDriveSim(DiffDriveNode[Config]):
         now_ns = course.now_ns()
         self._rest_by_ns = self._rest_by_ns or now_ns + REST_TIMEOUT_NS
         return now_ns > self._rest_by_ns or all(
-            base.reading().rates == (0.0, 0.0) for base in self._of('simulated_base'))
+            base.reading().rates == (0.0, 0.0) for base in self._of(*BASES))
 
     def _show_progress(self, course: 'CommandSequence') -> None:
         shown = int(PROGRESS_LINES * course.elapsed_s() / course.length_s)

@@ -17,7 +17,7 @@
 from collections import Counter
 import time
 from typing import (
-    Any, Callable, Dict, Generic, Iterator, Mapping, Optional, Sequence, Set, Tuple, TypeVar)
+    Any, Callable, Collection, Dict, Generic, Iterator, Mapping, Optional, Sequence, Set, Tuple, TypeVar)
 
 from diagnostic_msgs.msg import DiagnosticArray
 from diffdrive_kinematics.core.wheel_motion import Verdict
@@ -79,6 +79,8 @@ class DiffDriveNode(Node, Generic[Config]):
         on simulated time, the node has timers of rclpy, and any executor will do.
     traffic : Traffic, optional
         Counts messages between the nodes of such a process.
+    neighbours : collection of str, optional
+        Names of all nodes of the process, where it has several.
 
     Raises
     ------
@@ -91,7 +93,7 @@ class DiffDriveNode(Node, Generic[Config]):
             self, name: str, table: Tuple[Entry, ...],
             build: Callable[[Mapping[str, Any]], Config], *, namespace: str = '',
             stepped: Optional[SteppedClock] = None, traffic: Optional[Traffic] = None,
-            timers: Optional[SteadyTimers] = None) -> None:
+            timers: Optional[SteadyTimers] = None, neighbours: Collection[str] = ()) -> None:
         self._polled: Set[Subscription] = set()
         self.urgent = False  # whether something comes that cannot wait for the next look
         super().__init__(name, namespace=namespace or None)
@@ -107,7 +109,7 @@ class DiffDriveNode(Node, Generic[Config]):
         self._qos_overrides = self._judged_overrides()
         self.heard, self.sent = Heard(), 0
         self._reporter: Optional[Reporter] = None
-        self.parameters: ParameterSet[Config] = ParameterSet(self, table, build)
+        self.parameters: ParameterSet[Config] = ParameterSet(self, table, build, neighbours)
         self._start_diagnostics(self.parameters.values.get('diagnostics_rate', 0.0))
 
     @property

@@ -37,7 +37,8 @@ from diffdrive_kinematics.nodes.entries import (
 __all__ = [
     'CALIBRATE', 'COMMAND_SEQUENCE', 'DIFFDRIVE_SIM', 'DIFF_DRIVE_CONTROLLER',
     'FORWARD_PROJECTION', 'KNOWN_NAMES', 'LIMITS', 'PLOT_PATHS', 'ROBOT_DESCRIPTION',
-    'SIMULATED_BASE', 'SWITCHES', 'TABLES', 'WHEEL_NOISE', 'only_in_ros2_controllers']
+    'SIMULATED_BASE', 'SWITCHES', 'TABLES', 'WHEEL_NOISE', 'WHEEL_ODOMETRY',
+    'only_in_ros2_controllers']
 
 _DIAGNOSTICS = Entry(
     'diagnostics_rate', 1.0, 'rate [Hz] of the status on /diagnostics; 0: off',
@@ -220,6 +221,10 @@ SIMULATED_BASE = (
           check=check_rate, read_only=True),
     _DIAGNOSTICS, _EXECUTOR)
 
+_OF_A_ROBOT = {'wheel_motion_topic': 'joint_states', 'joint_states_topic': ''}
+WHEEL_ODOMETRY = tuple(
+    replace(entry, default=_OF_A_ROBOT.get(entry.name, entry.default)) for entry in SIMULATED_BASE)
+
 _SQUARE = (
     Entry('square_side', 0.0, 'side [m] of the square of UMBmark; 0: none',
           check=check_non_negative, read_only=True),
@@ -340,7 +345,8 @@ DIFFDRIVE_SIM = (
 
 TABLES = {
     'diff_drive_controller': DIFF_DRIVE_CONTROLLER, 'wheel_noise': WHEEL_NOISE,
-    'simulated_base': SIMULATED_BASE, 'command_sequence': COMMAND_SEQUENCE,
+    'simulated_base': SIMULATED_BASE, 'wheel_odometry': WHEEL_ODOMETRY,
+    'command_sequence': COMMAND_SEQUENCE,
     'forward_projection': FORWARD_PROJECTION, 'plot_paths': PLOT_PATHS, 'calibrate': CALIBRATE,
     'robot_description': ROBOT_DESCRIPTION, 'diffdrive_sim': DIFFDRIVE_SIM}
 KNOWN_NAMES = frozenset(entry.name for table in TABLES.values() for entry in table)

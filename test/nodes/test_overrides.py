@@ -14,14 +14,17 @@
 
 """What the command line and params files set for a node: rclpy keeps it in a private attribute."""
 
-import rclpy
-from rclpy.node import Node
+import ast
+from pathlib import Path
 
 from diffdrive_kinematics.nodes.overrides import given_overrides
 from diffdrive_kinematics.nodes.refusals import ConfigurationError
 from diffdrive_kinematics.nodes.simulated_base import SimulatedBase
 import pytest
+import rclpy
+from rclpy.node import Node
 
+PACKAGE = Path(__file__).resolve().parents[2] / 'diffdrive_kinematics'
 KHEPERA = ['-p', 'wheel_radius:=0.021', '-p', 'wheel_separation:=0.0885']
 
 
@@ -61,3 +64,12 @@ def test_an_rclpy_that_keeps_them_elsewhere_is_named_and_no_node_starts(started,
         SimulatedBase()
     for word in ('/simulated_base refuses to start', '_parameter_overrides', 'rclpy'):
         assert word in str(refused.value)
+
+
+@pytest.mark.parametrize('path', sorted(PACKAGE.rglob('*.py')), ids=lambda path: path.stem)
+def test_no_private_attribute_is_read_with_a_default(path):
+    """One that is renamed would be taken for one that is empty."""
+    for node in ast.walk(ast.parse(path.read_text())):
+        if isinstance(node, ast.Call) and getattr(node.func, 'id', '') in ('getattr', 'hasattr'):
+            name = node.args[1]
+            assert not (isinstance(name, ast.Constant) and name.value.startswith('_'))
