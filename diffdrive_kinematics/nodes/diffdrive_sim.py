@@ -16,9 +16,12 @@
 
 from dataclasses import dataclass
 from importlib import import_module
+import os
 import sys
+import time
 from typing import Any, Dict, List, Mapping, Tuple, Type, TYPE_CHECKING
 
+from diffdrive_kinematics.nodes.alone import check_alone, Disturbed, keep_to_this_machine
 from diffdrive_kinematics.nodes.clocks import SteadyTimers, SteppedClock
 from diffdrive_kinematics.nodes.node import DiffDriveNode
 from diffdrive_kinematics.nodes.report import drift_table, progress_line, Robot
@@ -26,6 +29,7 @@ from diffdrive_kinematics.nodes.running import finish, make_executor, run, spin,
 from diffdrive_kinematics.nodes.share import with_params_file
 from diffdrive_kinematics.nodes.tables import DIFFDRIVE_SIM
 from diffdrive_kinematics.nodes.traffic import Traffic
+from rclpy.logging import get_logger
 
 if TYPE_CHECKING:
     from diffdrive_kinematics.nodes.command_sequence import CommandSequence
@@ -36,6 +40,8 @@ CLASSES = {  # imported where they are composed: a robot of two nodes starts wit
     'command_sequence': 'CommandSequence',
     'forward_projection': 'ForwardProjection', 'robot_description': 'RobotDescription'}
 BASES = 'simulated_base', 'wheel_odometry'
+DISTURBED = 1  # exit status
+FAREWELL_S = 0.5
 PROGRESS_LINES = 10
 REST_TIMEOUT_NS = 5_000_000_000
 
@@ -91,11 +97,13 @@ class DiffDriveSim(DiffDriveNode[Config]):
         shared: Dict[str, Any] = {'timers': self._steady}
         if self.config.clock_step_ns:
             shared = {'stepped': SteppedClock(), 'traffic': Traffic()}
+        classes = [_class(member.kind) for member in self.config.members]
+        if self.config.clock_step_ns:  # now, so that what comes second does not disturb the first
+            check_alone(self, {'/clock': []}, patience_s=FAREWELL_S)
         neighbours = tuple(member.name for member in self.config.members)
         self.members: List[DiffDriveNode] = [
-            _class(member.kind)(
-                member.name, namespace=member.namespace, neighbours=neighbours, **shared)
-            for member in self.config.members]
+            kind(member.name, namespace=member.namespace, neighbours=neighbours, **shared)
+            for kind, member in zip(classes, self.config.members)]
         self.stepper: Any = None
         if self.config.clock_step_ns:
             from diffdrive_kinematics.nodes.stepping import Stepper
@@ -171,6 +179,14 @@ class DiffDriveSim(DiffDriveNode[Config]):
 
 def work(stop: Stop) -> int:
     """Compose, run and report; return the exit status."""
+    try:
+        return _work(stop)
+    except Disturbed as error:
+        get_logger('diffdrive_sim').fatal(str(error))
+        return DISTURBED
+
+
+def _work(stop: Stop) -> int:
     sim = DiffDriveSim()
     try:
         sim.run(stop)
@@ -178,6 +194,9 @@ def work(stop: Stop) -> int:
             print(drift_table(sim.robots()), flush=True)
             if sim.stepper and not sim.config.real_time_factor:
                 print(f'{sim.stepper.rate():.0f} times real time', flush=True)
+    except Disturbed:
+        time.sleep(FAREWELL_S)  # still to be seen, or the other one might never know
+        raise
     finally:
         for node in [*sim.members, sim]:
             node.destroy_node()
@@ -186,7 +205,10 @@ def work(stop: Stop) -> int:
 
 def main() -> None:
     """Run ``diffdrive_sim``."""
-    sys.exit(run(work, with_params_file(sys.argv, 'demo.yaml')))
+    argv = with_params_file(sys.argv, 'demo.yaml')
+    if argv is not sys.argv:
+        keep_to_this_machine(os.environ)
+    sys.exit(run(work, argv))
 
 
 if __name__ == '__main__':

@@ -17,7 +17,8 @@
 from collections import Counter
 import time
 from typing import (
-    Any, Callable, Collection, Dict, Generic, Iterator, Mapping, Optional, Sequence, Set, Tuple, TypeVar)
+    Any, Callable, Collection, Dict, Generic, Iterator, Mapping, Optional, Sequence, Set, Tuple,
+    TypeVar)
 
 from diagnostic_msgs.msg import DiagnosticArray
 from diffdrive_kinematics.core.wheel_motion import Verdict
@@ -171,7 +172,7 @@ class DiffDriveNode(Node, Generic[Config]):
         publisher = self._endpoint(
             self.create_publisher, message_type, topic, 'publisher', profile)
         if self._traffic:
-            self._traffic.count_sent(publisher)
+            self._traffic.count_sent(publisher, self.get_fully_qualified_name())
         return publisher
 
     def sender(self, publisher: Publisher) -> Callable[[bytes], None]:

@@ -21,7 +21,6 @@ them.  Names are matched as rclpy does it: ``/*`` is one name, ``/**`` any numbe
 
 from functools import lru_cache
 import re
-import sys
 from typing import (
     AbstractSet, Any, Collection, Iterator, List, Mapping, NamedTuple, Sequence, Set, Tuple)
 
