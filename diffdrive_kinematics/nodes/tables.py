@@ -28,11 +28,10 @@ from diffdrive_kinematics.core.checks import (
 from diffdrive_kinematics.core.distributions import DISTRIBUTIONS
 from diffdrive_kinematics.nodes.entries import (
     check_bias, check_concentration, check_count, check_description, check_diagonal,
-    check_distribution, check_horizon, check_joint_names, check_named, check_one_of,
-    check_optional_picture, check_optional_seed, check_picture, check_pose,
-    check_positive_or_nan, check_range, check_rate_or_off, check_resolution, check_seed,
-    check_slip_model, check_stages, check_step, check_wheel_base, check_width, Entry, Kind, string,
-    topic)
+    check_distribution, check_frame, check_horizon, check_joint_names, check_named, check_one_of,
+    check_optional_picture, check_optional_seed, check_picture, check_pose, check_positive_or_nan,
+    check_prefix, check_range, check_rate_or_off, check_resolution, check_seed, check_slip_model,
+    check_stages, check_step, check_wheel_base, check_width, Entry, Kind, string, topic)
 
 __all__ = [
     'CALIBRATE', 'COMMAND_SEQUENCE', 'DIFFDRIVE_SIM', 'DIFF_DRIVE_CONTROLLER',
@@ -140,7 +139,7 @@ DIFF_DRIVE_CONTROLLER = (
           check=check_rate),
     Entry('max_wheel_rate', math.nan, 'bound [rad/s] of all wheels; beyond it both sides are '
           'scaled by one factor, so that the path keeps its curvature; NaN: none'),
-    string('base_frame_id', 'base_link', 'frame of the limited velocity', check_named),
+    string('base_frame_id', 'base_link', 'frame of the limited velocity', check_frame),
     *_axis_entries(), _DIAGNOSTICS, _EXECUTOR)
 
 WHEEL_NOISE = (
@@ -199,10 +198,10 @@ SIMULATED_BASE = (
     topic('belief_topic', 'odom', 'odometry in that publish_map_odom_tf corrects'),
     Entry('tf_frame_prefix_enable', False, 'put a prefix before odom_frame_id and base_frame_id',
           Kind.BOOL, read_only=True),
-    string('tf_frame_prefix', '', 'that prefix, with or without a slash at its end; empty: the '
-           'namespace of the node'),
-    string('odom_frame_id', 'odom', 'fixed frame of the odometry', check_named),
-    string('base_frame_id', 'base_link', 'frame of the robot', check_named),
+    string('tf_frame_prefix', '', 'that prefix, with or without a slash at its end; empty or ~: '
+           'the namespace of the node', check_prefix),
+    string('odom_frame_id', 'odom', 'fixed frame of the odometry', check_frame),
+    string('base_frame_id', 'base_link', 'frame of the robot', check_frame),
     *_SLIP,
     Entry('slip_model', 'travel', 'as in wheel_noise; the variances of command are none per metre '
           'and are not counted here', Kind.STRING, check_slip_model),
@@ -235,7 +234,7 @@ COMMAND_SEQUENCE = (
     topic('cmd_vel_topic', 'cmd_vel', 'velocity commands out'),
     Entry('enable_stamped_cmd_vel', False, 'publish TwistStamped instead of Twist', Kind.BOOL,
           read_only=True),
-    string('base_frame_id', 'base_link', 'frame of stamped commands', check_named),
+    string('base_frame_id', 'base_link', 'frame of stamped commands', check_frame),
     Entry('commands', [], 'v [m/s], omega [rad/s], duration [s] of each command, one after '
           'another in one flat list', Kind.DOUBLES, read_only=True),
     string('recording', '', 'CSV file (or .csv.gz) time_sec,linear_x,angular_z to play instead '
@@ -326,7 +325,7 @@ ROBOT_DESCRIPTION = (
     *_GEOMETRY, *_JOINTS,
     topic('robot_description_topic', 'robot_description', 'URDF out, String'),
     string('robot_name', 'diffdrive', 'name of the robot in the URDF', check_named),
-    string('base_frame_id', 'base_link', 'link on the ground between the wheels', check_named),
+    string('base_frame_id', 'base_link', 'link on the ground between the wheels', check_frame),
     Entry('wheel_base', math.nan, 'distance [m] from the first to the last wheel of a side, which '
           'are in order from front to rear; NaN: 2.5 radii a wheel', check=check_wheel_base),
     Entry('wheel_width', math.nan, 'width [m] of the wheels, above 0; NaN: half a radius',
