@@ -24,6 +24,7 @@ from typing import Any, Dict, List, Mapping, Tuple, Type, TYPE_CHECKING
 from diffdrive_kinematics.nodes.alone import check_alone, Disturbed, keep_to_this_machine
 from diffdrive_kinematics.nodes.clocks import SteadyTimers, SteppedClock
 from diffdrive_kinematics.nodes.node import DiffDriveNode
+from diffdrive_kinematics.nodes.output import exit_status, report, show
 from diffdrive_kinematics.nodes.report import drift_table, progress_line, Robot
 from diffdrive_kinematics.nodes.running import finish, make_executor, run, spin, Stop
 from diffdrive_kinematics.nodes.share import with_params_file
@@ -165,7 +166,7 @@ class DiffDriveSim(DiffDriveNode[Config]):
         shown = int(PROGRESS_LINES * course.elapsed_s() / course.length_s)
         if course.begun() and shown != self._shown and shown <= PROGRESS_LINES:
             self._shown = shown
-            print(progress_line(course.elapsed_s(), course.length_s, self.robots()), flush=True)
+            show(progress_line(course.elapsed_s(), course.length_s, self.robots()))
 
     def _announce(self) -> None:
         """Say how to drive where nothing in this process does."""
@@ -191,16 +192,16 @@ def _work(stop: Stop) -> int:
     try:
         sim.run(stop)
         if sim.finished():
-            print(drift_table(sim.robots()), flush=True)
+            report(drift_table(sim.robots()))
             if sim.stepper and not sim.config.real_time_factor:
-                print(f'{sim.stepper.rate():.0f} times real time', flush=True)
+                report(f'{sim.stepper.rate():.0f} times real time')
     except Disturbed:
         time.sleep(FAREWELL_S)  # still to be seen, or the other one might never know
         raise
     finally:
         for node in [*sim.members, sim]:
             node.destroy_node()
-    return 0
+    return exit_status()
 
 
 def main() -> None:
