@@ -100,7 +100,7 @@ class DiffDriveSim(DiffDriveNode[Config]):
             shared = {'stepped': SteppedClock(), 'traffic': Traffic()}
         classes = [_class(member.kind) for member in self.config.members]
         if self.config.clock_step_ns:  # now, so that what comes second does not disturb the first
-            check_alone(self, {'/clock': []}, patience_s=FAREWELL_S)
+            check_alone(self, {self.resolve_topic_name('/clock'): []}, patience_s=FAREWELL_S)
         neighbours = tuple(member.name for member in self.config.members)
         self.members: List[DiffDriveNode] = [
             kind(member.name, namespace=member.namespace, neighbours=neighbours, **shared)
