@@ -122,7 +122,8 @@ def doubts(
 
     """
     name = node.rpartition('/')[2]
-    has_own = any(section.node and matches(section.key, node) for section in sections)
+    with_own = {  # files
+        section.file for section in sections if section.node and matches(section.key, node)}
     kin = _kin(table)
     missing = {entry.name for entry in table if entry.required and entry.name not in given}
     for section in sections:
@@ -130,14 +131,14 @@ def doubts(
         if not other or matches(section.key, node) or other in set(neighbours) - {name}:
             continue
         if other == name:
-            reason = 'is in another namespace' if not has_own and (
+            reason = 'is in another namespace' if not with_own and (
                 section.in_root != (node == f'/{name}')) else ''
         elif _alike(other, name):
             reason = 'has nearly this name'
-        elif not has_own and other in kin:
-            reason = 'takes the same parameters and has no section of its own'
+        elif other in kin and section.file not in with_own:
+            reason = 'takes the same parameters and has no section of its own there'
         else:
-            lacking = sorted(missing & section.names) if not has_own else []
+            lacking = sorted(missing & section.names) if not with_own else []
             reason = f"lacks {' and '.join(lacking)}, which it sets" if lacking else ''
         if reason:
             executable = f', or the executable {other}' if other in kin else ''

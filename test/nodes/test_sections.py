@@ -98,6 +98,14 @@ def test_a_section_of_the_same_class_is_reported_where_the_node_has_none_of_its_
     assert doubts_of(tmp_path, ['/**/simulated_base'], '/my_base')  # renamed
 
 
+def test_a_file_of_calibrate_beside_it_does_not_hide_the_file_of_the_other_base(tmp_path):
+    robot = file_of(tmp_path, '/**', '/**/wheel_odometry')
+    written = file_of(tmp_path, '/**', '/**/wheel_odometry', '/**/simulated_base')
+    report, = doubts(
+        sections_of((robot, written)), '/simulated_base', TABLES['simulated_base'], GEOMETRY)
+    assert robot in report
+
+
 def test_a_section_that_has_what_the_node_lacks_is_reported(tmp_path):
     """As where the file is that of ros2_controllers, under the name that it has there."""
     keys, parameters = ['diffbot_base_controller'], '{wheel_radius: 0.1, wheel_separation: 0.2}'
