@@ -26,7 +26,8 @@ import sys
 
 __all__ = [
     'calibrate', 'command_sequence', 'diff_drive_controller', 'diffdrive_sim',
-    'forward_projection', 'plot_paths', 'robot_description', 'simulated_base', 'wheel_noise']
+    'forward_projection', 'plot_paths', 'robot_description', 'simulated_base', 'wheel_noise',
+    'wheel_odometry']
 
 
 def _start(name: str) -> None:
@@ -82,3 +83,8 @@ def simulated_base() -> None:
 def wheel_noise() -> None:
     """Run ``wheel_noise``."""
     _start('wheel_noise')
+
+
+def wheel_odometry() -> None:
+    """Run ``wheel_odometry``."""
+    _start('wheel_odometry')

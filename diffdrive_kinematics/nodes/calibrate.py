@@ -27,6 +27,7 @@ from diffdrive_kinematics.nodes.clocks import SteadyTimers
 from diffdrive_kinematics.nodes.from_values import check_sides, wheel_geometry
 from diffdrive_kinematics.nodes.last_word import HEARTBEAT_S
 from diffdrive_kinematics.nodes.node import DiffDriveNode
+from diffdrive_kinematics.nodes.output import exit_status, report
 from diffdrive_kinematics.nodes.parameters import ConfigurationError
 from diffdrive_kinematics.nodes.running import run, spin_node, Stop
 from diffdrive_kinematics.nodes.tables import CALIBRATE
@@ -157,9 +158,9 @@ def conclude(calibration: Calibration, values: Mapping[str, Any]) -> str:
     files = {output: params_text(calibration, output).encode()}
     if picture:
         files[picture] = _picture(calibration, picture)
-    print(table(calibration), flush=True)
+    report(table(calibration))
     written = f"wrote {', '.join(write(files, overwrite=values['overwrite']))}"
-    print(written, flush=True)
+    report(written)
     return written
 
 
@@ -178,7 +179,7 @@ def work(stop: Stop) -> int:
     try:
         if node.config.values['square_runs'] or node.config.values['recordings']:
             conclude(from_files(node.config), node.config.values)
-            return 0
+            return exit_status()
         return _collect(node, timers, stop)
     except ValueError as error:
         raise ConfigurationError(str(error)) from error
@@ -190,8 +191,8 @@ def _collect(node: Calibrate, timers: SteadyTimers, stop: Stop) -> int:
     node.listen()
     spin_node(node, timers, stop)
     if not node.written:
-        print('not finished: nothing is written', flush=True)
-    return 0
+        report('not finished: nothing is written')
+    return exit_status()
 
 
 def main() -> None:

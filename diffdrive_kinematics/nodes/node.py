@@ -17,7 +17,8 @@
 from collections import Counter
 import time
 from typing import (
-    Any, Callable, Dict, Generic, Iterator, Mapping, Optional, Sequence, Set, Tuple, TypeVar)
+    Any, Callable, Collection, Dict, Generic, Iterator, Mapping, Optional, Sequence, Set, Tuple,
+    TypeVar)
 
 from diagnostic_msgs.msg import DiagnosticArray
 from diffdrive_kinematics.core.wheel_motion import Verdict
@@ -26,6 +27,7 @@ from diffdrive_kinematics.nodes.clocks import (
 from diffdrive_kinematics.nodes.diagnostics import Diagnosis, Heard, Look, Reporter, TOPIC
 from diffdrive_kinematics.nodes.entries import Entry
 from diffdrive_kinematics.nodes.last_word import repeat_until_heard
+from diffdrive_kinematics.nodes.overrides import given_overrides
 from diffdrive_kinematics.nodes.parameters import ConfigurationError, ParameterSet
 from diffdrive_kinematics.nodes.polling import Poll, QUEUE_DEPTH as POLLED_QUEUE_DEPTH
 from diffdrive_kinematics.nodes.qos import (
@@ -78,6 +80,8 @@ class DiffDriveNode(Node, Generic[Config]):
         on simulated time, the node has timers of rclpy, and any executor will do.
     traffic : Traffic, optional
         Counts messages between the nodes of such a process.
+    neighbours : collection of str, optional
+        Names of all nodes of the process, where it has several.
 
     Raises
     ------
@@ -90,7 +94,7 @@ class DiffDriveNode(Node, Generic[Config]):
             self, name: str, table: Tuple[Entry, ...],
             build: Callable[[Mapping[str, Any]], Config], *, namespace: str = '',
             stepped: Optional[SteppedClock] = None, traffic: Optional[Traffic] = None,
-            timers: Optional[SteadyTimers] = None) -> None:
+            timers: Optional[SteadyTimers] = None, neighbours: Collection[str] = ()) -> None:
         self._polled: Set[Subscription] = set()
         self.urgent = False  # whether something comes that cannot wait for the next look
         super().__init__(name, namespace=namespace or None)
@@ -106,7 +110,7 @@ class DiffDriveNode(Node, Generic[Config]):
         self._qos_overrides = self._judged_overrides()
         self.heard, self.sent = Heard(), 0
         self._reporter: Optional[Reporter] = None
-        self.parameters: ParameterSet[Config] = ParameterSet(self, table, build)
+        self.parameters: ParameterSet[Config] = ParameterSet(self, table, build, neighbours)
         self._start_diagnostics(self.parameters.values.get('diagnostics_rate', 0.0))
 
     @property
@@ -168,7 +172,7 @@ class DiffDriveNode(Node, Generic[Config]):
         publisher = self._endpoint(
             self.create_publisher, message_type, topic, 'publisher', profile)
         if self._traffic:
-            self._traffic.count_sent(publisher)
+            self._traffic.count_sent(publisher, self.get_fully_qualified_name())
         return publisher
 
     def sender(self, publisher: Publisher) -> Callable[[bytes], None]:
@@ -292,7 +296,7 @@ class DiffDriveNode(Node, Generic[Config]):
 
     def _judged_overrides(self) -> Dict[Tuple[str, str], Tuple[Override, ...]]:
         """Return the overrides of quality of service that the YAML has."""
-        given = getattr(self, '_parameter_overrides', {})
+        given = given_overrides(self)
         return self._refuse_start(
             overrides_from, {name: parameter.value for name, parameter in given.items()})
 

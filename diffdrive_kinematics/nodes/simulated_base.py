@@ -100,8 +100,10 @@ class SimulatedBase(DiffDriveNode[Config]):
     It publishes from the first wheel motion on: odometry means that the wheels are heard.
     """
 
+    TABLE = SIMULATED_BASE
+
     def __init__(self, name: str = 'simulated_base', **composition: Any) -> None:
-        super().__init__(name, SIMULATED_BASE, build, **composition)
+        super().__init__(name, self.TABLE, build, **composition)
         values = self.config.values
         joints = wheel_joints(values)
         encoder = Encoder(values['encoder_range'], values['encoder_resolution'])

@@ -28,16 +28,16 @@ from diffdrive_kinematics.core.checks import (
 from diffdrive_kinematics.core.distributions import DISTRIBUTIONS
 from diffdrive_kinematics.nodes.entries import (
     check_bias, check_concentration, check_count, check_description, check_diagonal,
-    check_distribution, check_horizon, check_joint_names, check_named, check_one_of,
-    check_optional_picture, check_optional_seed, check_picture, check_pose,
-    check_positive_or_nan, check_range, check_rate_or_off, check_resolution, check_seed,
-    check_slip_model, check_stages, check_step, check_wheel_base, check_width, Entry, Kind, string,
-    topic)
+    check_distribution, check_frame, check_horizon, check_joint_names, check_named, check_one_of,
+    check_optional_picture, check_optional_seed, check_picture, check_pose, check_positive_or_nan,
+    check_prefix, check_range, check_rate_or_off, check_resolution, check_seed, check_slip_model,
+    check_stages, check_step, check_wheel_base, check_width, Entry, Kind, string, topic)
 
 __all__ = [
     'CALIBRATE', 'COMMAND_SEQUENCE', 'DIFFDRIVE_SIM', 'DIFF_DRIVE_CONTROLLER',
     'FORWARD_PROJECTION', 'KNOWN_NAMES', 'LIMITS', 'PLOT_PATHS', 'ROBOT_DESCRIPTION',
-    'SIMULATED_BASE', 'SWITCHES', 'TABLES', 'WHEEL_NOISE', 'only_in_ros2_controllers']
+    'SIMULATED_BASE', 'SWITCHES', 'TABLES', 'WHEEL_NOISE', 'WHEEL_ODOMETRY',
+    'only_in_ros2_controllers']
 
 _DIAGNOSTICS = Entry(
     'diagnostics_rate', 1.0, 'rate [Hz] of the status on /diagnostics; 0: off',
@@ -140,7 +140,7 @@ DIFF_DRIVE_CONTROLLER = (
           check=check_rate),
     Entry('max_wheel_rate', math.nan, 'bound [rad/s] of all wheels; beyond it both sides are '
           'scaled by one factor, so that the path keeps its curvature; NaN: none'),
-    string('base_frame_id', 'base_link', 'frame of the limited velocity', check_named),
+    string('base_frame_id', 'base_link', 'frame of the limited velocity', check_frame),
     *_axis_entries(), _DIAGNOSTICS, _EXECUTOR)
 
 WHEEL_NOISE = (
@@ -199,10 +199,10 @@ SIMULATED_BASE = (
     topic('belief_topic', 'odom', 'odometry in that publish_map_odom_tf corrects'),
     Entry('tf_frame_prefix_enable', False, 'put a prefix before odom_frame_id and base_frame_id',
           Kind.BOOL, read_only=True),
-    string('tf_frame_prefix', '', 'that prefix, with or without a slash at its end; empty: the '
-           'namespace of the node'),
-    string('odom_frame_id', 'odom', 'fixed frame of the odometry', check_named),
-    string('base_frame_id', 'base_link', 'frame of the robot', check_named),
+    string('tf_frame_prefix', '', 'that prefix, with or without a slash at its end; empty or ~: '
+           'the namespace of the node', check_prefix),
+    string('odom_frame_id', 'odom', 'fixed frame of the odometry', check_frame),
+    string('base_frame_id', 'base_link', 'frame of the robot', check_frame),
     *_SLIP,
     Entry('slip_model', 'travel', 'as in wheel_noise; the variances of command are none per metre '
           'and are not counted here', Kind.STRING, check_slip_model),
@@ -221,6 +221,10 @@ SIMULATED_BASE = (
           check=check_rate, read_only=True),
     _DIAGNOSTICS, _EXECUTOR)
 
+_OF_A_ROBOT = {'wheel_motion_topic': 'joint_states', 'joint_states_topic': ''}
+WHEEL_ODOMETRY = tuple(
+    replace(entry, default=_OF_A_ROBOT.get(entry.name, entry.default)) for entry in SIMULATED_BASE)
+
 _SQUARE = (
     Entry('square_side', 0.0, 'side [m] of the square of UMBmark; 0: none',
           check=check_non_negative, read_only=True),
@@ -231,7 +235,7 @@ COMMAND_SEQUENCE = (
     topic('cmd_vel_topic', 'cmd_vel', 'velocity commands out'),
     Entry('enable_stamped_cmd_vel', False, 'publish TwistStamped instead of Twist', Kind.BOOL,
           read_only=True),
-    string('base_frame_id', 'base_link', 'frame of stamped commands', check_named),
+    string('base_frame_id', 'base_link', 'frame of stamped commands', check_frame),
     Entry('commands', [], 'v [m/s], omega [rad/s], duration [s] of each command, one after '
           'another in one flat list', Kind.DOUBLES, read_only=True),
     string('recording', '', 'CSV file (or .csv.gz) time_sec,linear_x,angular_z to play instead '
@@ -322,7 +326,7 @@ ROBOT_DESCRIPTION = (
     *_GEOMETRY, *_JOINTS,
     topic('robot_description_topic', 'robot_description', 'URDF out, String'),
     string('robot_name', 'diffdrive', 'name of the robot in the URDF', check_named),
-    string('base_frame_id', 'base_link', 'link on the ground between the wheels', check_named),
+    string('base_frame_id', 'base_link', 'link on the ground between the wheels', check_frame),
     Entry('wheel_base', math.nan, 'distance [m] from the first to the last wheel of a side, which '
           'are in order from front to rear; NaN: 2.5 radii a wheel', check=check_wheel_base),
     Entry('wheel_width', math.nan, 'width [m] of the wheels, above 0; NaN: half a radius',
@@ -341,7 +345,8 @@ DIFFDRIVE_SIM = (
 
 TABLES = {
     'diff_drive_controller': DIFF_DRIVE_CONTROLLER, 'wheel_noise': WHEEL_NOISE,
-    'simulated_base': SIMULATED_BASE, 'command_sequence': COMMAND_SEQUENCE,
+    'simulated_base': SIMULATED_BASE, 'wheel_odometry': WHEEL_ODOMETRY,
+    'command_sequence': COMMAND_SEQUENCE,
     'forward_projection': FORWARD_PROJECTION, 'plot_paths': PLOT_PATHS, 'calibrate': CALIBRATE,
     'robot_description': ROBOT_DESCRIPTION, 'diffdrive_sim': DIFFDRIVE_SIM}
 KNOWN_NAMES = frozenset(entry.name for table in TABLES.values() for entry in table)
