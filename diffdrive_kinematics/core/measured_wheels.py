@@ -68,11 +68,12 @@ class MeasuredWheels(NamedTuple):
         """Return the rates [rad/s] of the positions."""
         return self.window.rates
 
-    def begun(self, time_ns: int, angles: Pair) -> 'MeasuredWheels':
+    def begun(
+            self, time_ns: int, angles: Pair, velocities: Optional[Pair]) -> 'MeasuredWheels':
         """Return what a first message says, or one after a step of its clock."""
         return self._replace(
-            window=self.window.begun(time_ns, angles), check=self.check._replace(rates=None),
-            lead=ZERO)
+            window=self.window.begun(time_ns, angles), lead=ZERO,
+            check=self.check._replace(rates=velocities))
 
     def followed(
             self, time_ns: int, angles: Pair, velocities: Optional[Pair],
@@ -92,9 +93,11 @@ class MeasuredWheels(NamedTuple):
             By how much [rad] the angles that were told until it came are ahead of that.
 
         """
+        if not self.window.groups:
+            return self.begun(time_ns, angles, velocities)
         window = self.window.followed(time_ns, angles)
-        if window is self.window or not self.window.groups:
-            return self._replace(window=window)
+        if window is self.window:
+            return self
         last_ns, left, right = self.window.groups[-1]
         check = self.check.followed(
             velocities, (angles[0] - left, angles[1] - right), (time_ns - last_ns) / NANOSECONDS)

@@ -194,7 +194,7 @@ class Odometry(NamedTuple):
             return odometry, verdict
         angles = odometry.left.value, odometry.right.value
         if verdict is CLOCK_STEP or self.motion is None:
-            measured = measured.begun(sample.stamp_ns, angles)
+            measured = measured.begun(sample.stamp_ns, angles, sample.rates)
         else:
             told = self._angle_at(self.motion, self._theirs(now_ns))
             measured = measured.followed(sample.stamp_ns, angles, sample.rates, (

@@ -72,8 +72,6 @@ class RateWindow(NamedTuple):
     def followed(self, time_ns: int, angles: Pair) -> 'RateWindow':
         """Return the window after angles [rad] at a time [ns]; an earlier one changes nothing."""
         groups = self.groups
-        if not groups:
-            return self.begun(time_ns, angles)
         last_ns, *last = groups[-1]
         if time_ns <= last_ns:
             return self

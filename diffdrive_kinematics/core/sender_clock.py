@@ -56,7 +56,7 @@ class SenderClock(NamedTuple):
         The least latency [ns]; None: nothing was heard.
     stamp_ns, arrival_ns : int
         Of the last message that taught something [ns].
-    count, since_ns : int
+    messages, since_ns : int
         How many messages have come since the clock is apart, and when [ns] the first one came.
     late, late_since_ns, late_least_ns : int
         How many messages in a row came late, when [ns] the first did, and the least latency [ns].
@@ -70,7 +70,7 @@ class SenderClock(NamedTuple):
     least_ns: Optional[int] = None
     stamp_ns: int = 0
     arrival_ns: int = 0
-    count: int = 0
+    messages: int = 0
     since_ns: int = 0
     late: int = 0
     late_since_ns: int = 0
@@ -86,7 +86,7 @@ class SenderClock(NamedTuple):
     @property
     def differs(self) -> bool:
         """Return whether the clock is another one, and steadily so."""
-        return (self.apart and self.count >= FEWEST
+        return (self.apart and self.messages >= FEWEST
                 and self.arrival_ns - self.since_ns >= PATIENCE_NS)
 
     def own_ns(self, stamp_ns: int) -> int:
@@ -122,9 +122,9 @@ class SenderClock(NamedTuple):
                 least, late = late_least, 0
         limit = self.tolerance_ns // HYSTERESIS if self.apart else self.tolerance_ns
         apart = not -limit <= least <= limit
-        count, apart_since_ns = (self.count + 1, self.since_ns) if self.apart else (1, arrival_ns)
+        messages, first_ns = (self.messages + 1, self.since_ns) if self.apart else (1, arrival_ns)
         return SenderClock(
-            self.tolerance_ns, apart, least, stamp_ns, arrival_ns, count, apart_since_ns, late,
+            self.tolerance_ns, apart, least, stamp_ns, arrival_ns, messages, first_ns, late,
             since_ns, late_least, *self._calm(apart or late > 0, least))
 
     def begun(self, stamp_ns: int, arrival_ns: int) -> 'SenderClock':

@@ -62,7 +62,7 @@ class VelocityCheck(NamedTuple):
     told, rolled, largest : pair of float
         Of the block that is under way: travel by the velocities and by the positions, and the
         largest increment [rad].
-    count, seconds : int, float
+    messages, seconds : int, float
         Messages and duration [s] of it.
     rates : pair of float or None
         The last velocities [rad/s].
@@ -75,7 +75,7 @@ class VelocityCheck(NamedTuple):
     told: Pair = ZERO
     rolled: Pair = ZERO
     largest: Pair = ZERO
-    count: int = 0
+    messages: int = 0
     seconds: float = 0.0
     rates: Optional[Pair] = None
 
@@ -92,8 +92,8 @@ class VelocityCheck(NamedTuple):
              self.told[1] + half * (before[1] + rates[1])),
             (self.rolled[0] + increments[0], self.rolled[1] + increments[1]),
             (max(self.largest[0], abs(increments[0])), max(self.largest[1], abs(increments[1]))),
-            self.count + 1, self.seconds + seconds, rates)
-        if check.count < FEWEST or check.seconds < SHORTEST_S:
+            self.messages + 1, self.seconds + seconds, rates)
+        if check.messages < FEWEST or check.seconds < SHORTEST_S:
             return check
         if max(map(abs, (*check.told, *check.rolled))) >= ENOUGH:
             return check._judged()

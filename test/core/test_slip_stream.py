@@ -14,6 +14,7 @@
 
 """Noise on a stream of wheel motion: statistics, seeds, order of stamps and restarts."""
 
+from dataclasses import replace
 from itertools import accumulate
 import math
 
@@ -31,7 +32,6 @@ LAW = settings(deadline=None, derandomize=True)
 MS = 1_000_000
 S = 1000 * MS
 T = S // 2
-NOW = 10**6 * S
 Z = 3.2905  # of 99.9 %, two-sided
 GEOMETRY = WheelGeometry(0.4, 0.1, 1.0, 0.9, 1.2)
 LEFT, RIGHT = WheelSlip(0.05, 2e-3), WheelSlip(-0.02, 1e-3)
@@ -50,18 +50,19 @@ schedules = st.lists(
 
 
 def passed(stream, samples, seed=0):
-    """Return the stream after the samples, and what it put out."""
+    """Return the stream after the samples, and what it put out, as its publisher does."""
     generator, out = np.random.default_rng(seed), []
     for sample in samples:
         stream, noisy, _ = stream.passed(sample, generator)
         if noisy is not None:
-            out.append(noisy)
+            out.append(replace(noisy, source='/noise#1'))
     return stream, out
 
 
 def fed(odometry, samples):
-    for sample in samples:
-        odometry, _ = odometry.received(sample, NOW)
+    """Return the odometry after samples that came at their stamps, or when the last one came."""
+    for sample, now_ns in zip(samples, accumulate((sample.stamp_ns for sample in samples), max)):
+        odometry, _ = odometry.received(sample, now_ns)
     return odometry
 
 
