@@ -17,7 +17,8 @@ Whether the velocities of a driver are those of its positions.
 
 They are compared by the travel of blocks of messages: velocities are filtered, hence late, and
 positions are counted in ticks, so that a single message proves nothing.  In a block they agree
-where both travels differ by no more than a fifth and one message's travel.
+where both travels differ by no more than a fifth and one message's travel.  Where a late filter
+can make the difference, of the range that the velocity has in the block, it proves nothing.
 
 Velocities are believed from the first block in which they agree, until they are wrong by a factor
 of two in one, or by less in three in a row.  Three in a row that are wrong in one way are a
@@ -35,6 +36,7 @@ SHORTEST_S = 0.5  # its duration
 LONGEST_S = 5.0
 ENOUGH = 0.5  # and travel [rad]
 TOLERANCE = 0.2
+LATE_S = 0.25
 GROSS = 2.0
 PERSISTENT = 3  # blocks
 
@@ -59,9 +61,9 @@ class VelocityCheck(NamedTuple):
         What they persistently differ by.
     against : tuple of Disagreement
         The last blocks in a row that disagreed.
-    told, rolled, largest : pair of float
-        Of the block that is under way: travel by the velocities and by the positions, and the
-        largest increment [rad].
+    told, rolled, largest, low, high : pair of float
+        Of the block that is under way: travel by the velocities and by the positions [rad], the
+        largest increment [rad], the lowest and the highest velocity [rad/s].
     messages, seconds : int, float
         Messages and duration [s] of it.
     rates : pair of float or None
@@ -75,6 +77,8 @@ class VelocityCheck(NamedTuple):
     told: Pair = ZERO
     rolled: Pair = ZERO
     largest: Pair = ZERO
+    low: Pair = ZERO
+    high: Pair = ZERO
     messages: int = 0
     seconds: float = 0.0
     rates: Optional[Pair] = None
@@ -86,12 +90,15 @@ class VelocityCheck(NamedTuple):
         if rates is None or before is None:
             return self._replace(rates=rates)
         half = 0.5 * seconds
+        low, high = (self.low, self.high) if self.messages else (before, before)
         check = VelocityCheck(
             self.believed, self.disagreement, self.against,
             (self.told[0] + half * (before[0] + rates[0]),
              self.told[1] + half * (before[1] + rates[1])),
             (self.rolled[0] + increments[0], self.rolled[1] + increments[1]),
             (max(self.largest[0], abs(increments[0])), max(self.largest[1], abs(increments[1]))),
+            (min(low[0], rates[0]), min(low[1], rates[1])),
+            (max(high[0], rates[0]), max(high[1], rates[1])),
             self.messages + 1, self.seconds + seconds, rates)
         if check.messages < FEWEST or check.seconds < SHORTEST_S:
             return check
@@ -104,9 +111,9 @@ class VelocityCheck(NamedTuple):
 
     def _judged(self) -> 'VelocityCheck':
         """Return the check after a block with enough travel."""
-        wrong = self._wrong()
+        wrong = self._wrong(LATE_S)
         if wrong is None:
-            return VelocityCheck(True, rates=self.rates)
+            return self._anew() if self._wrong(0.0) else VelocityCheck(True, rates=self.rates)
         against = self.against if self.against and _alike(self.against[-1], wrong) else ()
         against = (*against, wrong)[-PERSISTENT:]
         persistent = len(against) == PERSISTENT
@@ -114,11 +121,13 @@ class VelocityCheck(NamedTuple):
             believed=self.believed and not (persistent or _grossly(wrong)), against=against,
             disagreement=_together(against) if persistent else self.disagreement)
 
-    def _wrong(self) -> Optional[Disagreement]:
-        """Return by what wheels disagree in the block; None: they agree."""
-        wrong = [Disagreement(side, told, rolled) for side, told, rolled, largest in zip(
-            ('left', 'right'), self.told, self.rolled, self.largest) if _differ(
-                told, rolled, largest)]
+    def _wrong(self, late: float) -> Optional[Disagreement]:
+        """Return by what wheels disagree in the block with a filter that is late [s]; or None."""
+        allowed = [largest + late * (high - low) for largest, low, high in zip(
+            self.largest, self.low, self.high)]
+        wrong = [Disagreement(side, told, rolled) for side, told, rolled, allowance in zip(
+            ('left', 'right'), self.told, self.rolled, allowed) if _differ(
+                told, rolled, allowance)]
         if len(wrong) == 2 and _alike(*wrong):
             return Disagreement('both', *max(
                 (each[1:] for each in wrong), key=lambda travel: max(map(abs, travel))))
@@ -133,9 +142,9 @@ def _together(blocks: Tuple[Disagreement, ...]) -> Disagreement:
         sum(block.rolled for block in blocks))
 
 
-def _differ(told: float, rolled: float, largest: float) -> bool:
+def _differ(told: float, rolled: float, allowance: float) -> bool:
     travel = max(abs(told), abs(rolled))
-    return travel >= ENOUGH and abs(told - rolled) > TOLERANCE * travel + largest
+    return travel >= ENOUGH and abs(told - rolled) > TOLERANCE * travel + allowance
 
 
 def _alike(one: Disagreement, other: Disagreement) -> bool:

@@ -305,7 +305,7 @@ def test_positions_that_come_at_almost_one_time_are_no_jump(gap_ns):
 
 def test_a_frame_in_the_header_does_not_make_a_driver_one_of_this_package():
     """Guard a leap by all that encoders count: a first message without positions is no zero."""
-    odometry = base(max_rate=1000.0)
+    odometry = base()
     for number, positions in enumerate([None, (500.0, 500.0), (500.1, 500.1)]):
         odometry, _ = odometry.received(WheelSample(
             START_NS + number * 20 * MS, ZERO, positions, 'base_link'),
