@@ -26,8 +26,8 @@ from diffdrive_kinematics.nodes.messages import NANOSECONDS, set_stamp
 from rclpy.publisher import Publisher
 
 __all__ = [
-    'Diagnosis', 'Heard', 'Look', 'Reporter', 'STALE', 'TOPIC', 'Trouble', 'heard_values',
-    'silence', 'slowness', 'stamp_values']
+    'Diagnosis', 'Heard', 'Look', 'Reporter', 'STALE', 'TOPIC', 'Trouble', 'WARN',
+    'heard_values', 'silence', 'slowness', 'stamp_values']
 
 TOPIC = '/diagnostics'
 OK, WARN, ERROR, STALE = (
@@ -81,10 +81,6 @@ class Heard:
     def clock_stepped(self, step_ns: int) -> None:
         """Note that the clock by which messages came was stepped."""
         self.last_ns += step_ns
-
-    def agrees_after(self, step_ns: int) -> bool:
-        """Return whether a step of the own clock is what the last stamp was off by."""
-        return abs(self.skew_ns + step_ns) < abs(self.skew_ns)
 
     def age(self, now_ns: int) -> Optional[float]:
         """Return the time [s] since the last message; None where there was none."""

@@ -33,10 +33,10 @@ __all__ = [
     'check_optional_seed', 'check_optional_topic', 'check_picture', 'check_pose',
     'check_positive_or_nan', 'check_prefix', 'check_range', 'check_rate_or_off',
     'check_resolution', 'check_seed', 'check_slip_model', 'check_stages', 'check_step',
-    'check_topic', 'check_wheel_base', 'check_width', 'string', 'topic']
+    'check_topic', 'check_wheel_base', 'check_width', 'check_window', 'string', 'topic']
 
 Check = Callable[[str, Any], Any]
-MOST, MOST_STAGES = 100_000, 25
+MOST, MOST_STAGES, MOST_IN_WINDOW = 100_000, 25, 1000
 
 
 class Kind(enum.Enum):
@@ -96,6 +96,12 @@ def check_positive_or_nan(name: str, value: float) -> None:
 def check_count(name: str, value: int) -> None:
     if not 1 <= value <= MOST:
         raise ValueError(f'{name} is {value!r}, expected an integer from 1 to {MOST}')
+
+
+def check_window(name: str, value: int) -> None:
+    if not 1 <= value <= MOST_IN_WINDOW:
+        raise ValueError(
+            f'{name} is {value!r}, expected an integer from 1 to {MOST_IN_WINDOW}')
 
 
 def check_stages(name: str, value: int) -> None:

@@ -26,9 +26,12 @@ from diffdrive_kinematics.core.distributions import sample_heading
 from diffdrive_kinematics.core.encoders import Encoder
 from diffdrive_kinematics.core.frames import composed, inverted, OdometryHistory
 from diffdrive_kinematics.core.geometry import WheelGeometry
+from diffdrive_kinematics.core.measured_wheels import MeasuredWheels
+from diffdrive_kinematics.core.rate_window import RateWindow
 from diffdrive_kinematics.core.wheel_motion import Pair, timeout_from_seconds, Verdict
 from diffdrive_kinematics.nodes.diagnostics import (
     Diagnosis, heard_values, Look, silence, slowness, stamp_values)
+from diffdrive_kinematics.nodes.driver_watch import DriverWatch
 from diffdrive_kinematics.nodes.from_values import check_sides, check_wiring, wheel_geometry
 from diffdrive_kinematics.nodes.messages import (
     check_stamp, given_pose, nanoseconds, OdometryMessage, pose_in_plane)
@@ -109,6 +112,7 @@ class SimulatedBase(DiffDriveNode[Config]):
         encoder = Encoder(values['encoder_range'], values['encoder_resolution'])
         self._reader = WheelReader(
             joints, positions=values['position_feedback'], encoder_range=encoder.period)
+        self._driver = DriverWatch(self, values['wheel_motion_topic'])
         self._wheel_motion = self.poll(  # first, since it takes longest: others have to find it
             JointState, values['wheel_motion_topic'], self._on_wheels)
         self._wheel_motion.promise(values['publish_rate'])
@@ -116,7 +120,9 @@ class SimulatedBase(DiffDriveNode[Config]):
         self._odometry = core.Odometry.starting_at(
             pose, geometry=self.config.geometry, timeout_ns=self.config.timeout_ns,
             slip_variances=self.config.slip_variances, covariance=covariance)._replace(
-                max_rate=_bound(values))
+                max_rate=_bound(values), unmeasured=MeasuredWheels(
+                    values['extrapolate_positions'],
+                    RateWindow(values['velocity_rolling_window_size'])))
         self._wheels = WheelMessage(joints, self.source(), encoder)
         prefix = frame_prefix(values, self.get_namespace())
         self._message = OdometryMessage(
@@ -157,7 +163,10 @@ class SimulatedBase(DiffDriveNode[Config]):
         if sample is None:
             return
         self.heard.note(now_ns, sample.stamp_ns)
-        self._odometry, verdict = self._odometry.received(sample, now_ns)
+        before = self._odometry
+        self._odometry, verdict = odometry, _ = before.received(sample, now_ns)
+        if odometry.clock is not before.clock or odometry.measured is not before.measured:
+            self._driver.look(odometry)
         self.judge(verdict, self.config.values['wheel_motion_topic'])
         if self._map_odom:
             self._history = self._history.followed(self._odometry)
@@ -176,10 +185,10 @@ class SimulatedBase(DiffDriveNode[Config]):
         if not stamp_ns:
             raise ValueError('stamp is 0, expected the time of the pose')
         believed = pose_in_plane(belief.pose.pose)
-        now_ns = self._updated_now()
+        self._updated_now()
         if self._odometry.motion is None:
             return
-        truth = self._history.pose_at(stamp_ns, now_ns)
+        truth = self._history.pose_at(stamp_ns)
         self._map_odom.publish(
             stamp_ns, (own, belief.header.frame_id), composed(truth, inverted(believed)))
 
@@ -239,7 +248,9 @@ class SimulatedBase(DiffDriveNode[Config]):
             'achieved odometry rate [Hz]': look.rate, **stamp_values(self.counts),
             'position jumps': self.counts[Verdict.JUMPED.value],
             'last now - stamp [s]': self.heard.skew_ns / 1e9,
-            'largest now - stamp [s]': self.heard.largest_skew_ns / 1e9}, [
+            'largest now - stamp [s]': self.heard.largest_skew_ns / 1e9,
+            **self._driver.values(self._odometry)}, [
+                *self._driver.troubles(),
                 *silence(self.heard, look.now_ns, values['command_timeout'],
                          self.resolve_topic_name(values['wheel_motion_topic'])),
                 *slowness(look, values['publish_rate'])])
@@ -251,7 +262,7 @@ class SimulatedBase(DiffDriveNode[Config]):
 
     def _synchronised_now(self) -> int:
         now_ns, step_ns = self.now_and_step()
-        if step_ns and not self.heard.agrees_after(step_ns):  # else the stamps were stepped before
+        if step_ns:
             self._odometry = self._odometry.clock_stepped(step_ns)
             self._history = OdometryHistory((self._odometry,))
         return now_ns

@@ -31,7 +31,8 @@ from diffdrive_kinematics.nodes.entries import (
     check_distribution, check_frame, check_horizon, check_joint_names, check_named, check_one_of,
     check_optional_picture, check_optional_seed, check_picture, check_pose, check_positive_or_nan,
     check_prefix, check_range, check_rate_or_off, check_resolution, check_seed, check_slip_model,
-    check_stages, check_step, check_wheel_base, check_width, Entry, Kind, string, topic)
+    check_stages, check_step, check_wheel_base, check_width, check_window, Entry, Kind, string,
+    topic)
 
 __all__ = [
     'CALIBRATE', 'COMMAND_SEQUENCE', 'DIFFDRIVE_SIM', 'DIFF_DRIVE_CONTROLLER',
@@ -184,9 +185,14 @@ SIMULATED_BASE = (
             'up to half a range a message; 0: they do not wrap'),
     Entry('encoder_resolution', 0.0, 'ticks a turn of the wheel in the positions of joint states '
           'out; 0: ideal', check=check_resolution, read_only=True),
-    Entry('max_encoder_rate', math.nan, 'wheel rate [rad/s], well above what the wheels can do: '
-          'positions that went faster between two messages count anew, as encoders that started '
-          'again elsewhere do; NaN: none', check=check_positive_or_nan),
+    Entry('max_encoder_rate', 1000.0, 'wheel rate [rad/s], well above what the wheels can do: '
+          "a driver's positions that went faster between two messages count anew, as encoders "
+          'that started again elsewhere do; NaN: none', check=check_positive_or_nan),
+    Entry('velocity_rolling_window_size', 10, "over how many messages of a driver's positions the "
+          'twist is taken', Kind.INTEGER, check_window, read_only=True),
+    Entry('extrapolate_positions', True, "whether the pose goes on from a driver's last positions "
+          'by the rates of that window, so that it is that of its stamp', Kind.BOOL,
+          read_only=True),
     *_START,
     Entry('initial_heading_seed', -1, 'draw the yaw at start with this seed, as a ground truth '
           'does; -1: do not, and publish how uncertain it is', Kind.INTEGER, check_optional_seed,
@@ -352,8 +358,7 @@ TABLES = {
 KNOWN_NAMES = frozenset(entry.name for table in TABLES.values() for entry in table)
 
 _ROS2_CONTROLLERS = frozenset((
-    'type', 'wheels_per_side', 'open_loop', 'velocity_rolling_window_size', 'use_stamped_vel',
-    'update_rate', 'is_async',
+    'type', 'wheels_per_side', 'open_loop', 'use_stamped_vel', 'update_rate', 'is_async',
     'publish_wheel_data'))
 
 

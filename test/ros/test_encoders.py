@@ -25,7 +25,7 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64MultiArray
 
 JOINTS = ['left_wheel_joint', 'right_wheel_joint']
-BASE = {**KHEPERA, 'enable_odom_tf': False}
+BASE = {**KHEPERA, 'enable_odom_tf': False, 'extrapolate_positions': False}
 RADIUS = KHEPERA['wheel_radius']
 STEP_NS = 20_000_000
 BATCH = 8  # below the depth of the base's queue
