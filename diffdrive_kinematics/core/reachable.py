@@ -33,7 +33,8 @@ The polygon is an outer approximation: what the chords of the mesh and the simpl
 is added as a margin in every stage, together below 1 % of the area.  Only sets as thin as a
 curve, such as that of a robot with one wheel at rest, get wider margins relative to their area.
 Holes (a robot that may turn all around) are filled.  The cost is that of finding the crossings
-among some hundred to some thousand segments: 5 to 20 ms a stage, about a second for curves.
+among some hundred to some thousand segments: 5 to 20 ms a stage.  Stages in which one wheel rests
+keep the robot on a circle about it, and are one stage together.
 """
 
 import math
@@ -72,6 +73,9 @@ MOST_FOLDS = 600
 """How many segments inside of a mesh are worth a finer one: a set like a curve folds all over."""
 
 FEWEST_SLICES, MOST_SLICES = 8, 128
+
+NEGLIGIBLE = 1e-8
+"""Travel [m] of a wheel that rests: what rounding leaves of it, and the slip of that."""
 
 
 class Stage(NamedTuple):
@@ -169,8 +173,9 @@ def _reachable(
         raise ValueError('travels is empty, expected at least one stage (d_left, d_right)')
     if most_vertices < 64:
         raise ValueError(f'most_vertices is {most_vertices!r}, expected 64 or more')
+    stages, margin = _with_pivots_joined(stages, geometry)
     share = SHARE / (len(stages) + 1)
-    polygon, margin = np.zeros(1, np.complex128), 0.0
+    polygon = np.zeros(1, np.complex128)
     for stage in reversed(stages):
         polygon, margin = _before(polygon, margin, stage, geometry, share, most_vertices // 2)
     margin += FLOAT32 * float(np.max(np.abs(polygon)) + math.hypot(x, y))
@@ -180,21 +185,59 @@ def _reachable(
     return placed.real.copy(), placed.imag.copy()
 
 
+def _with_pivots_joined(
+        stages: Sequence[Stage], geometry: WheelGeometry) -> Tuple[Sequence[Stage], float]:
+    """
+    Return the stages, those that follow each other about one resting wheel as one stage.
+
+    Their rotations have one centre, so angles and bounds add up.  The other number is by how much
+    [m] the end may be off, as what the resting wheel moved after all is left out: that displaces
+    the robot, and turns it in front of all that follows.
+    """
+    joined, left_out = [stages[0]], 0.0
+    for stage in stages[1:]:
+        before = joined[-1]
+        for still in (_without_left, _without_right):
+            if max(_moved(before, still(before)), _moved(stage, still(stage))) <= NEGLIGIBLE:
+                left_out += _moved(before, still(before)) + _moved(stage, still(stage))
+                joined[-1] = Stage(*map(sum, zip(still(before), still(stage))))
+                break
+        else:
+            joined.append(stage)
+    reach = sum(
+        abs(stage.d_left) + abs(stage.d_right) + sum(stage[2:]) for stage in stages)
+    return joined, left_out * (1.0 + 2.0 * reach / geometry.separation)
+
+
+def _without_left(stage: Stage) -> Stage:
+    return stage._replace(d_left=0.0, left_bound=0.0, lateral_bound=0.0)
+
+
+def _without_right(stage: Stage) -> Stage:
+    return stage._replace(d_right=0.0, right_bound=0.0, lateral_bound=0.0)
+
+
+def _moved(stage: Stage, other: Stage) -> float:
+    """Return the most [m] by which a wheel, or the robot to the side, moves in one stage only."""
+    return sum(abs(one - another) for one, another in zip(stage, other))
+
+
 def _before(
         polygon: Points, margin: float, stage: Stage, geometry: WheelGeometry, share: float,
         most: int) -> Tuple[Points, float]:
     """Return the set one stage earlier, and how far the true one may reach beyond it [m]."""
-    slices = FEWEST_SLICES
+    slices, tolerance = FEWEST_SLICES, math.inf
     while True:
         nodes, sagitta = _nodes(stage, geometry, float(np.max(np.abs(polygon))), slices)
         mesh = _mesh(polygon, margin + sagitta + LEAST, stage, geometry, nodes)
         turned = _turned(mesh)
-        outline = outer_boundary(mesh.reshape(-1), turned)
-        size = float(np.max(np.abs(outline - outline[0])))
-        tolerance = max(share * _thickness(outline), THINNEST * size, LEAST)
-        folded = len(turned) > 2 * len(mesh) + MOST_FOLDS
-        if sagitta <= tolerance or folded or slices >= MOST_SLICES:
-            break
+        finest = len(turned) > 2 * len(mesh) + MOST_FOLDS or slices >= MOST_SLICES
+        if sagitta <= tolerance or finest:  # that of a coarser mesh: a finer one has a smaller
+            outline = outer_boundary(mesh.reshape(-1), turned)
+            size = float(np.max(np.abs(outline - outline[0])))
+            tolerance = max(share * _thickness(outline), THINNEST * size, LEAST)
+            if sagitta <= tolerance or finest:
+                break
         slices *= 2
     tolerance = max(tolerance, sagitta)
     smaller = simplified(outline, tolerance)
