@@ -38,15 +38,14 @@ keep the robot on a circle about it, and are one stage together.
 """
 
 import math
-from typing import NamedTuple, Sequence, Tuple, Union
+from typing import Sequence, Tuple, Union
 
-from diffdrive_kinematics.core.arc import Pose, Scalar, sinc
+from diffdrive_kinematics.core.arc import Pose, sinc
 from diffdrive_kinematics.core.checks import check_finite, check_non_negative
-from diffdrive_kinematics.core.distributions import unit_bound
 from diffdrive_kinematics.core.geometry import pose_change_from_travel, WheelGeometry
-from diffdrive_kinematics.core.noise import travel_variance, WheelSlip
+from diffdrive_kinematics.core.noise import WheelSlip
 from diffdrive_kinematics.core.outline import area, outer_boundary, perimeter, simplified
-from diffdrive_kinematics.core.projection import lateral_variances
+from diffdrive_kinematics.core.stage import Stage, stage_from_slip, with_pivots_joined
 import numpy as np
 from numpy.typing import NDArray
 
@@ -73,42 +72,6 @@ MOST_FOLDS = 600
 """How many segments inside of a mesh are worth a finer one: a set like a curve folds all over."""
 
 FEWEST_SLICES, MOST_SLICES = 8, 128
-
-NEGLIGIBLE = 1e-8
-"""Travel [m] of a wheel that rests: what rounding leaves of it, and the slip of that."""
-
-
-class Stage(NamedTuple):
-    """Mean travel [m] of the wheels in one stage, and bounds [m] of the disturbances."""
-
-    d_left: float
-    d_right: float
-    left_bound: float
-    right_bound: float
-    lateral_bound: float = 0.0
-
-
-def stage_from_slip(
-        d_left: float, d_right: float, geometry: WheelGeometry, left_slip: WheelSlip,
-        right_slip: WheelSlip) -> Stage:
-    """
-    Return the stage whose box holds every sample that ``propagate`` draws for this travel [m].
-
-    Raises
-    ------
-    ValueError
-        If a slip that is not 0 has an unbounded distribution, or a travel is not finite.
-
-    """
-    check_finite('d_left', d_left)
-    check_finite('d_right', d_right)
-    lateral = lateral_variances(d_left, d_right, geometry, left_slip, right_slip)
-    return Stage(
-        (1.0 + left_slip.bias) * d_left, (1.0 + right_slip.bias) * d_right,
-        _bound('left', left_slip, travel_variance(left_slip, d_left)),
-        _bound('right', right_slip, travel_variance(right_slip, d_right)),
-        _bound('left', left_slip, lateral[0]) + _bound('right', right_slip, lateral[1]))
-
 
 def reachable_set_from_slip(
         pose: Pose, travels: Sequence[Tuple[float, float]], geometry: WheelGeometry,
@@ -173,7 +136,7 @@ def _reachable(
         raise ValueError('travels is empty, expected at least one stage (d_left, d_right)')
     if most_vertices < 64:
         raise ValueError(f'most_vertices is {most_vertices!r}, expected 64 or more')
-    stages, margin = _with_pivots_joined(stages, geometry)
+    stages, margin = with_pivots_joined(stages, geometry)
     share = SHARE / (len(stages) + 1)
     polygon = np.zeros(1, np.complex128)
     for stage in reversed(stages):
@@ -183,43 +146,6 @@ def _reachable(
     widened = outer_boundary(ring, _turned(ring[:, None]))
     placed = complex(x, y) + complex(math.cos(theta), math.sin(theta)) * widened
     return placed.real.copy(), placed.imag.copy()
-
-
-def _with_pivots_joined(
-        stages: Sequence[Stage], geometry: WheelGeometry) -> Tuple[Sequence[Stage], float]:
-    """
-    Return the stages, those that follow each other about one resting wheel as one stage.
-
-    Their rotations have one centre, so angles and bounds add up.  The other number is by how much
-    [m] the end may be off, as what the resting wheel moved after all is left out: that displaces
-    the robot, and turns it in front of all that follows.
-    """
-    joined, left_out = [stages[0]], 0.0
-    for stage in stages[1:]:
-        before = joined[-1]
-        for still in (_without_left, _without_right):
-            if max(_moved(before, still(before)), _moved(stage, still(stage))) <= NEGLIGIBLE:
-                left_out += _moved(before, still(before)) + _moved(stage, still(stage))
-                joined[-1] = Stage(*map(sum, zip(still(before), still(stage))))
-                break
-        else:
-            joined.append(stage)
-    reach = sum(
-        abs(stage.d_left) + abs(stage.d_right) + sum(stage[2:]) for stage in stages)
-    return joined, left_out * (1.0 + 2.0 * reach / geometry.separation)
-
-
-def _without_left(stage: Stage) -> Stage:
-    return stage._replace(d_left=0.0, left_bound=0.0, lateral_bound=0.0)
-
-
-def _without_right(stage: Stage) -> Stage:
-    return stage._replace(d_right=0.0, right_bound=0.0, lateral_bound=0.0)
-
-
-def _moved(stage: Stage, other: Stage) -> float:
-    """Return the most [m] by which a wheel, or the robot to the side, moves in one stage only."""
-    return sum(abs(one - another) for one, another in zip(stage, other))
 
 
 def _before(
@@ -376,16 +302,6 @@ def _sign(a: Points, b: Points, c: Points, tiny: float) -> Pairs:
     cross = ((b - a) * np.conj(c - a)).imag
     short = np.minimum(np.minimum(np.abs(b - a), np.abs(c - a)), np.abs(c - b)) <= tiny
     return np.where(short, 2, -np.sign(cross)).astype(np.int64)
-
-
-def _bound(side: str, slip: WheelSlip, variance: Scalar) -> float:
-    if variance == 0.0:
-        return 0.0
-    bound = unit_bound(slip.distribution)
-    if not math.isfinite(bound):
-        raise ValueError(
-            f'distribution of the {side} wheel is {slip.distribution!r}, expected a bounded one')
-    return bound * math.sqrt(float(variance))
 
 
 def _per_stage(name: str, bound: Bounds, stages: int) -> Sequence[float]:
