@@ -73,6 +73,7 @@ MOST_FOLDS = 600
 
 FEWEST_SLICES, MOST_SLICES = 8, 128
 
+
 def reachable_set_from_slip(
         pose: Pose, travels: Sequence[Tuple[float, float]], geometry: WheelGeometry,
         left_slip: WheelSlip, right_slip: WheelSlip, *, most_vertices: int = 1000

@@ -32,7 +32,7 @@ from diffdrive_kinematics.nodes.from_values import (
     check_sides, check_wiring, wheel_geometry, wheel_slips)
 from diffdrive_kinematics.nodes.messages import nanoseconds, pose_in_plane
 from diffdrive_kinematics.nodes.node import DiffDriveNode
-from diffdrive_kinematics.nodes.projection_messages import poses_message, polygon_message
+from diffdrive_kinematics.nodes.projection_messages import polygon_message, poses_message
 from diffdrive_kinematics.nodes.running import main_of
 from diffdrive_kinematics.nodes.tables import FORWARD_PROJECTION
 from diffdrive_kinematics.nodes.wheel_joints import wheel_joints

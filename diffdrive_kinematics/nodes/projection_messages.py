@@ -19,9 +19,7 @@ A message object of 100,000 poses takes half a second to fill and to serialise; 
 message already, but for what stands in front of it.
 """
 
-import struct
-
-from diffdrive_kinematics.nodes.wire import HEADER, Layout, STAMP_AT
+from diffdrive_kinematics.nodes.wire import HEADER, stamped_sequence
 import numpy as np
 from numpy.typing import NDArray
 from std_msgs.msg import Header
@@ -45,10 +43,9 @@ def polygon_message(header: Header, x: Array, y: Array) -> bytes:
 
 def _message(header: Header, rows: 'NDArray[np.floating]') -> bytes:
     """Return a header and a sequence of structures that have but numbers of one type."""
-    layout = Layout()
-    layout.header(header.frame_id)
-    layout.numbers('I', [len(rows)])
-    front = bytearray(struct.pack(layout.format, *layout.values))
-    struct.pack_into('=iI', front, STAMP_AT, header.stamp.sec, header.stamp.nanosec)
-    padding = (len(HEADER) - layout.size) % rows.itemsize if len(rows) else 0
-    return b''.join((front, bytes(padding), memoryview(np.ascontiguousarray(rows)).cast('B')))
+    front = stamped_sequence(
+        header.stamp.sec, header.stamp.nanosec, header.frame_id, len(rows))
+    if not len(rows):
+        return front
+    padding = bytes((len(HEADER) - len(front)) % rows.itemsize)
+    return b''.join((front, padding, memoryview(np.ascontiguousarray(rows)).cast('B')))

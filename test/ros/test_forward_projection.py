@@ -15,7 +15,11 @@
 """Where the robot may soon be, as it is published: samples, and the boundary around all."""
 
 import math
+import os
+from pathlib import Path
+import signal
 
+from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import PolygonStamped, PoseArray
 from graph import KHEPERA, set_stamp, stamp_ns
 from nav_msgs.msg import Odometry
@@ -86,6 +90,12 @@ def furthest_outside(points, polygon):
     return float(np.max(distance[outside]))
 
 
+def children(process):
+    """Return the processes that a process has started, and that are not gone."""
+    return [int(pid) for task in Path(f'/proc/{process.pid}/task').iterdir()
+            for pid in (task / 'children').read_text().split()]
+
+
 def both(poses, boundaries):
     return poses and boundaries
 
@@ -154,3 +164,45 @@ def test_an_odometry_that_is_not_finite_is_refused_and_the_next_is_projected(gra
     bad.pose.pose.position.x, bad.pose.pose.orientation.w = 9.0, 1.0
     publisher.publish(bad)
     graph.wait_for(lambda: poses[-1].poses[0].position.x > 8.0, 'the next')
+
+
+def test_what_nobody_listens_to_starts_no_process(graph):
+    process = graph.start('forward_projection', {**SETTINGS, 'diagnostics_rate': 20.0})
+    looks = graph.collect(DiagnosticArray, '/diagnostics')
+    publisher, odometry = tell(graph)
+
+    def heard():
+        publisher.publish(odometry)
+        return looks and int(next(
+            value.value for value in looks[-1].status[0].values
+            if value.key == 'odometry messages')) > 20
+
+    graph.wait_for(heard, 'twenty odometries')
+    assert not children(process)
+    poses = graph.collect(PoseArray, 'projected_poses')
+    graph.wait_for(lambda: publisher.publish(odometry) or poses, 'projections')
+    assert len(children(process)) == 1
+
+
+def test_a_projection_whose_process_is_killed_says_so_and_goes_on(graph):
+    poses, _, process = project(graph, {**SETTINGS, 'samples': 5}, both)
+    child, = children(process)
+    os.kill(child, signal.SIGKILL)
+    publisher, odometry = tell(graph)
+    graph.wait_for(
+        lambda: publisher.publish(odometry) or 'status -9' in process.output, 'the report')
+    passed = len(poses)
+    graph.wait_for(lambda: publisher.publish(odometry) or len(poses) > passed, 'more of them')
+    assert child not in children(process)
+
+
+@pytest.mark.parametrize('number', [signal.SIGINT, signal.SIGTERM])
+def test_a_projection_ends_in_the_middle_of_its_work_and_leaves_no_process(graph, number):
+    poses, _, process = project(
+        graph, {**SETTINGS, 'samples': 100_000, 'stages': 25, 'publish_rate': 100.0}, both)
+    child, = children(process)
+    passed, (publisher, odometry) = len(poses), tell(graph)
+    graph.wait_for(lambda: publisher.publish(odometry) or len(poses) > passed, 'work')
+    assert process.stop(number) == 0
+    assert not Path(f'/proc/{child}').exists()
+    assert 'Traceback' not in process.output
