@@ -34,7 +34,7 @@ CONTROLLER = 'diff_drive_controller'
 TIMEOUT_S, RATE = 0.5, 50.0
 COMMAND_PERIOD_S = 0.05
 LEAST_DRIVE_S = 3.0
-TOLERANCE_S = 0.25  # what one of two processes may be held up by, and the other not
+TOLERANCE_S = 0.5  # what one of two processes may be held up by, and the other not
 JOINTS = ['left_wheel_joint', 'right_wheel_joint']
 MANY = [f'wheel_{number}' for number in range(100)]
 DRIVE = {**KHEPERA, 'cmd_vel_timeout': TIMEOUT_S, 'publish_rate': RATE}
@@ -92,13 +92,14 @@ class Driven:
     def command(self, message):
         self._publisher.publish(message)
 
-    def longest_gap(self):
-        """Return the longest silence [s] while the robot was driven."""
-        return max(b - a for a, b in zip(self.turning_at, self.turning_at[1:]))
-
     def stopped(self, since):
         """Return when the wheels were told to stand after a time; None: not yet."""
         return next((at for at in self.still_at if at > max(since, self.turning_at[-1])), None)
+
+    def longest_gap(self, since):
+        """Return the longest silence [s] while the robot was driven, up to its stop."""
+        times = [*self.turning_at, self.stopped(since)]
+        return max(b - a for a, b in zip(times, times[1:]))
 
 
 def flood(graph, worst):
@@ -162,7 +163,7 @@ def test_a_controller_keeps_its_rate_and_its_timeout_beside_any_node_at_its_wors
         return all(each.stopped(last_at) for each in both)
 
     graph.wait_for(driven, f'the work of {kind}, {numbers}')
-    assert composed.longest_gap() < alone.longest_gap() + TOLERANCE_S
     graph.wait_for(stopped, 'the wheels to stand')
+    assert composed.longest_gap(last_at) < alone.longest_gap(last_at) + TOLERANCE_S
     assert composed.stopped(last_at) < alone.stopped(last_at) + TOLERANCE_S
     assert sim.running
