@@ -1,0 +1,138 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""
+The clock of a sender, as the times show at which its messages arrive.
+
+The latency of a message, its arrival minus its stamp, is the offset of the sender's clock plus
+what the message took.  The least latency is the offset, but for the fastest message's way.
+
+* It falls at once: no message comes before it was sent.
+* It rises by a thousandth of the time that passes, ten times what crystals drift, so that time
+  mapped by it always goes on; and at once to that of later messages, where nothing but later ones
+  has come for a while.  A burst after a stall ends with messages in time, and changes nothing.
+* A clock that is within the tolerance is the own one, and its stamps are taken as they are.
+"""
+
+from typing import NamedTuple, Optional
+
+__all__ = ['FEWEST', 'PATIENCE_NS', 'SenderClock']
+
+PATIENCE_NS = 1_000_000_000
+FEWEST = 5  # messages to judge by
+DRIFT = 1000  # the least latency may rise by one part of so many
+HYSTERESIS = 10  # clocks that were apart agree again within one part in so many of the tolerance
+
+
+class SenderClock(NamedTuple):
+    """
+    What is known of a sender's clock; a value: :meth:`observed` returns a new one.
+
+    Parameters
+    ----------
+    tolerance_ns : int
+        Difference [ns] up to which the clock is the own one.
+    apart : bool
+        Whether the clock is another one, by what was heard so far.
+    least_ns : int or None
+        The least latency [ns]; None: nothing was heard.
+    stamp_ns, arrival_ns : int
+        Of the last message that taught something [ns].
+    count, since_ns : int
+        How many messages have come since the clock is apart, and when [ns] the first one came.
+    late, late_since_ns, late_least_ns : int
+        How many messages in a row came late, when [ns] the first did, and the least latency [ns].
+
+    """
+
+    tolerance_ns: int
+    apart: bool = False
+    least_ns: Optional[int] = None
+    stamp_ns: int = 0
+    arrival_ns: int = 0
+    count: int = 0
+    since_ns: int = 0
+    late: int = 0
+    late_since_ns: int = 0
+    late_least_ns: int = 0
+
+    @property
+    def offset_ns(self) -> int:
+        """Return what [ns] to add to stamps for the time on the own clock; 0: they agree."""
+        return self.least_ns or 0 if self.apart else 0
+
+    @property
+    def differs(self) -> bool:
+        """Return whether the clock is another one, and steadily so."""
+        return (self.apart and self.count >= FEWEST
+                and self.arrival_ns - self.since_ns >= PATIENCE_NS)
+
+    def own_ns(self, stamp_ns: int) -> int:
+        """Return the time [ns] on the own clock of a stamp [ns]."""
+        return stamp_ns + self.offset_ns
+
+    def theirs_ns(self, time_ns: int) -> int:
+        """Return the time [ns] on the sender's clock when the own clock shows ``time_ns``."""
+        return time_ns - self.offset_ns
+
+    def delay_ns(self, stamp_ns: int, arrival_ns: int) -> int:
+        """Return how much later [ns] than the fastest ones a message came, whatever the clock."""
+        latency = arrival_ns - stamp_ns
+        return latency if self.least_ns is None else latency - self._least_at(arrival_ns)
+
+    def observed(self, stamp_ns: int, arrival_ns: int) -> 'SenderClock':
+        """Return the clock after a message with a stamp [ns] came at a time [ns]."""
+        latency, least = arrival_ns - stamp_ns, self.least_ns
+        if least is None:
+            return self.begun(stamp_ns, arrival_ns)
+        least += (arrival_ns - self.arrival_ns) // DRIFT
+        if not (self.apart or self.late) and least <= latency <= self.tolerance_ns:
+            return self  # as nearly always
+        if self.apart and stamp_ns < self.stamp_ns - self.tolerance_ns:
+            return self.begun(stamp_ns, arrival_ns)  # it was set back
+        late, since_ns, late_least = 0, arrival_ns, latency
+        if latency < least:
+            least = latency
+        elif latency > least + self.tolerance_ns:
+            late = self.late + 1
+            if self.late:
+                since_ns, late_least = self.late_since_ns, min(latency, self.late_least_ns)
+            if late >= FEWEST and arrival_ns - since_ns >= PATIENCE_NS:
+                least, late = late_least, 0
+        limit = self.tolerance_ns // HYSTERESIS if self.apart else self.tolerance_ns
+        apart = not -limit <= least <= limit
+        count, apart_since_ns = (self.count + 1, self.since_ns) if self.apart else (1, arrival_ns)
+        return SenderClock(
+            self.tolerance_ns, apart, least, stamp_ns, arrival_ns, count, apart_since_ns, late,
+            since_ns, late_least)
+
+    def begun(self, stamp_ns: int, arrival_ns: int) -> 'SenderClock':
+        """Return the clock as one message alone shows it: the first, or after a step of it."""
+        latency = arrival_ns - stamp_ns
+        return SenderClock(
+            self.tolerance_ns, abs(latency) > self.tolerance_ns, latency, stamp_ns, arrival_ns,
+            1, arrival_ns)
+
+    def clock_stepped(self, step_ns: int) -> 'SenderClock':
+        """Return the clock as it reads after the own one was stepped by ``step_ns``."""
+        if self.least_ns is None:
+            return self
+        apart_by = step_ns if self.apart else 0  # else both are the one that was stepped
+        return self._replace(
+            least_ns=self.least_ns + apart_by, arrival_ns=self.arrival_ns + step_ns,
+            since_ns=self.since_ns + step_ns, late_since_ns=self.late_since_ns + step_ns,
+            late_least_ns=self.late_least_ns + apart_by)
+
+    def _least_at(self, arrival_ns: int) -> int:
+        return (self.least_ns or 0) + (arrival_ns - self.arrival_ns) // DRIFT
