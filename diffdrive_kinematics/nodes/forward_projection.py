@@ -14,7 +14,7 @@
 
 """``forward_projection``: odometry and wheel rates in, where the robot may soon be out."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 import math
 from typing import Any, List, Mapping, Optional, Tuple, Union
 
@@ -32,6 +32,7 @@ from diffdrive_kinematics.nodes.from_values import (
     check_sides, check_wiring, wheel_geometry, wheel_slips)
 from diffdrive_kinematics.nodes.messages import nanoseconds, pose_in_plane
 from diffdrive_kinematics.nodes.node import DiffDriveNode
+from diffdrive_kinematics.nodes.other_clock import ClockWatch
 from diffdrive_kinematics.nodes.projection_messages import polygon_message, poses_message
 from diffdrive_kinematics.nodes.running import main_of
 from diffdrive_kinematics.nodes.tables import FORWARD_PROJECTION
@@ -92,6 +93,8 @@ class ForwardProjection(DiffDriveNode[Config]):
         self._wheels = core.Odometry.starting_at(  # for its account of the rates alone
             Pose(0.0, 0.0, 0.0), geometry=self.config.geometry, timeout_ns=self.config.timeout_ns)
         self._odometry: Optional[Tuple[Odometry, Pose]] = None
+        self._clocks = {
+            name: ClockWatch(self, values[name]) for name in ('odom_topic', 'wheel_motion_topic')}
         self._worker: Union[InPlace, Worker] = (
             InPlace(self._publish) if self._stepped else Worker(self._come_back))
         topic = values['poses_topic']
@@ -106,14 +109,19 @@ class ForwardProjection(DiffDriveNode[Config]):
 
     def _on_odometry(self, message: Odometry) -> None:
         self._odometry = message, pose_in_plane(message.pose.pose)
-        stamp_ns = nanoseconds(message.header.stamp)
-        self.heard.note(stamp_ns, stamp_ns)
+        now_ns = self._synchronised_now()
+        stamp_ns = nanoseconds(message.header.stamp) or now_ns
+        self._clocks['odom_topic'].own_ns(stamp_ns, now_ns)
+        self.heard.note(now_ns, stamp_ns)
 
     def _on_wheels(self, message: bytes) -> None:
         now_ns = self._synchronised_now()
         sample = self._reader.read(message, lambda: now_ns)
         if sample is None:
             return
+        own_ns = self._clocks['wheel_motion_topic'].own_ns(sample.stamp_ns, now_ns)
+        if own_ns != sample.stamp_ns:
+            sample = replace(sample, stamp_ns=own_ns)
         self._wheels, verdict = self._wheels.received(sample, now_ns)
         self.judge(verdict, self.config.values['wheel_motion_topic'])
 
@@ -171,14 +179,17 @@ class ForwardProjection(DiffDriveNode[Config]):
         return Diagnosis({
             **heard_values(self.heard, look.now_ns, 'odometry'),
             'achieved projection rate [Hz]': look.rate,
-            'projections skipped': self._worker.skipped, **stamp_values(self.counts)}, silence(
-                self.heard, look.now_ns, values['command_timeout'],
-                self.resolve_topic_name(values['odom_topic'])))
+            'projections skipped': self._worker.skipped, **stamp_values(self.counts)}, [
+                *silence(self.heard, look.now_ns, values['command_timeout'],
+                         self.resolve_topic_name(values['odom_topic'])),
+                *(trouble for clock in self._clocks.values() for trouble in clock.troubles())])
 
     def _synchronised_now(self) -> int:
         now_ns, step_ns = self.now_and_step()
         if step_ns:
             self._wheels = self._wheels.clock_stepped(step_ns)
+            for clock in self._clocks.values():
+                clock.clock_stepped(step_ns)
         return now_ns
 
     def _tell_bounds(self) -> None:

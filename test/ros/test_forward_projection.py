@@ -17,14 +17,16 @@
 import math
 import os
 from pathlib import Path
+import re
 import signal
 
-from diagnostic_msgs.msg import DiagnosticArray
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from geometry_msgs.msg import PolygonStamped, PoseArray
 from graph import KHEPERA, set_stamp, stamp_ns
 from nav_msgs.msg import Odometry
 import numpy as np
 import pytest
+from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState
 
 JOINTS = ['left_wheel_joint', 'right_wheel_joint']
@@ -88,6 +90,13 @@ def furthest_outside(points, polygon):
     along = np.clip(((x - x0) * dx + (y - y0) * dy) / np.maximum(dx**2 + dy**2, 1e-300), 0.0, 1.0)
     distance = np.min(np.hypot(x0 + along * dx - x, y0 + along * dy - y), axis=1)
     return float(np.max(distance[outside]))
+
+
+def tell_the_time(clock, time_ns):
+    """Publish the simulated time [ns]."""
+    message = Clock()
+    message.clock.sec, message.clock.nanosec = divmod(time_ns, 10**9)
+    clock.publish(message)
 
 
 def children(process):
@@ -206,3 +215,61 @@ def test_a_projection_ends_in_the_middle_of_its_work_and_leaves_no_process(graph
     assert process.stop(number) == 0
     assert not Path(f'/proc/{child}').exists()
     assert 'Traceback' not in process.output
+
+
+@pytest.mark.parametrize('simulated', [False, True], ids=['stamps', 'node'])
+def test_a_clock_that_is_not_that_of_the_stamps_is_named_and_projections_are_right(
+        graph, simulated):
+    """One of both is simulated: the time of the stamps, or that of the node."""
+    process = graph.start('forward_projection', {
+        **KHEPERA, 'publish_rate': 20.0, 'samples': 2, 'horizon': 4.0, 'use_sim_time': simulated,
+        'diagnostics_rate': 5.0})
+    began_ns = graph.now_ns()
+    clock = graph.publisher(Clock, '/clock') if simulated else None
+    poses = graph.collect(PoseArray, 'projected_poses')
+    looks = graph.collect(DiagnosticArray, '/diagnostics')
+    wheels, odometries = (
+        graph.publisher(kind, topic)
+        for kind, topic in ((JointState, 'wheel_rates'), (Odometry, 'odom')))
+    turning, odometry = JointState(name=JOINTS, velocity=[5.0, 5.0]), Odometry()
+    odometry.pose.pose.orientation.w = 1.0
+
+    def pass_time():
+        """Return what the simulated clock shows [ns]."""
+        simulated_ns = 100 * 10**9 + graph.now_ns() - began_ns
+        if clock:
+            tell_the_time(clock, simulated_ns)
+        return simulated_ns
+
+    def tell():
+        simulated_ns = pass_time()
+        for publisher, message in ((wheels, turning), (odometries, odometry)):
+            set_stamp(message, graph.now_ns() if simulated else simulated_ns)
+            publisher.publish(message)
+
+    def found():
+        tell()
+        return [status for look in looks for status in look.status
+                if 'use_sim_time' in status.message]
+
+    graph.wait_for(lambda: pass_time() and looks, 'a node that knows the time')
+    (level,) = {status.level for status in graph.wait_for(found, 'the finding')}
+    assert level == DiagnosticStatus.WARN
+    for topic in '/odom', '/wheel_rates':
+        said = [line for line in process.output.splitlines() if f"stamps on '{topic}'" in line]
+        assert len(said) == 1 and '[WARN]' in said[0]
+        assert f'use_sim_time (now {str(simulated).lower()})' in said[0]
+        times = sorted(float(time) for time in re.findall(r'([0-9.]+) s\b', said[0]))
+        assert times[0] == pytest.approx(100.0, abs=60.0) and times[1] > 1e9
+    distance = 5.0 * KHEPERA['wheel_radius'] * 4.0
+    assert poses
+    for message in poses:
+        assert positions(message) == pytest.approx(np.array([[distance, 0.0]] * 2), abs=1e-9)
+    looks.clear()
+    graph.wait_for(  # without a word from outside but the time
+        lambda: pass_time() and any(
+            'nothing heard' in status.message for look in looks for status in look.status),
+        'silence')
+    ages = [float(value.value) for look in looks for status in look.status
+            for value in status.values if value.key == 'age of the last odometry [s]']
+    assert ages and all(0.0 <= age < 60.0 for age in ages)
