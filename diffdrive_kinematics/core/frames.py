@@ -62,18 +62,12 @@ class OdometryHistory:
         kept = self.past[:-1] if anchor == last else self.past
         return OdometryHistory((*kept, odometry)[-LONGEST:])
 
-    def pose_at(self, time_ns: int, now_ns: int) -> Pose:
-        """
-        Return the pose at a time [ns], when the own clock shows ``now_ns``.
-
-        Where the wheels are told by a clock far ahead of it, that is the pose of now.
-        """
-        if self.past[-1].is_ahead(now_ns):
-            return self.past[-1].at(now_ns).pose
+    def pose_at(self, time_ns: int) -> Pose:
+        """Return the pose at a time [ns] on the own clock."""
         for odometry in reversed(self.past):
-            if _anchor(odometry) <= time_ns:
-                return odometry.at(time_ns, now_ns).pose
-        return self.past[0].at(time_ns, now_ns).pose
+            if odometry.clock.own_ns(_anchor(odometry)) <= time_ns:
+                return odometry.at(time_ns).pose
+        return self.past[0].at(time_ns).pose
 
 
 def _anchor(odometry: Odometry) -> int:

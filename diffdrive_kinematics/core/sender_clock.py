@@ -25,14 +25,21 @@ what the message took.  The least latency is the offset, but for the fastest mes
 * A clock that is within the tolerance is the own one, and its stamps are taken as they are.
 """
 
-from typing import NamedTuple, Optional
+from typing import NamedTuple, Optional, Tuple
 
-__all__ = ['FEWEST', 'PATIENCE_NS', 'SenderClock']
+__all__ = ['SenderClock', 'tolerance_of']
+
+TOLERANCE_NS = 250_000_000
 
 PATIENCE_NS = 1_000_000_000
 FEWEST = 5  # messages to judge by
 DRIFT = 1000  # the least latency may rise by one part of so many
 HYSTERESIS = 10  # clocks that were apart agree again within one part in so many of the tolerance
+
+
+def tolerance_of(timeout_ns: Optional[int]) -> int:
+    """Return how far [ns] stamps may be off where silence has a timeout [ns]: half of it."""
+    return TOLERANCE_NS if timeout_ns is None else min(TOLERANCE_NS, timeout_ns // 2)
 
 
 class SenderClock(NamedTuple):
@@ -49,10 +56,12 @@ class SenderClock(NamedTuple):
         The least latency [ns]; None: nothing was heard.
     stamp_ns, arrival_ns : int
         Of the last message that taught something [ns].
-    count, since_ns : int
+    messages, since_ns : int
         How many messages have come since the clock is apart, and when [ns] the first one came.
     late, late_since_ns, late_least_ns : int
         How many messages in a row came late, when [ns] the first did, and the least latency [ns].
+    low_ns, high_ns : int
+        Latencies [ns] from one to the other teach nothing; there are some where clocks agree.
 
     """
 
@@ -61,11 +70,13 @@ class SenderClock(NamedTuple):
     least_ns: Optional[int] = None
     stamp_ns: int = 0
     arrival_ns: int = 0
-    count: int = 0
+    messages: int = 0
     since_ns: int = 0
     late: int = 0
     late_since_ns: int = 0
     late_least_ns: int = 0
+    low_ns: int = 0
+    high_ns: int = -1
 
     @property
     def offset_ns(self) -> int:
@@ -75,7 +86,7 @@ class SenderClock(NamedTuple):
     @property
     def differs(self) -> bool:
         """Return whether the clock is another one, and steadily so."""
-        return (self.apart and self.count >= FEWEST
+        return (self.apart and self.messages >= FEWEST
                 and self.arrival_ns - self.since_ns >= PATIENCE_NS)
 
     def own_ns(self, stamp_ns: int) -> int:
@@ -88,19 +99,18 @@ class SenderClock(NamedTuple):
 
     def delay_ns(self, stamp_ns: int, arrival_ns: int) -> int:
         """Return how much later [ns] than the fastest ones a message came, whatever the clock."""
-        latency = arrival_ns - stamp_ns
-        return latency if self.least_ns is None else latency - self._least_at(arrival_ns)
+        return arrival_ns - stamp_ns - (self.least_ns or 0)
 
     def observed(self, stamp_ns: int, arrival_ns: int) -> 'SenderClock':
         """Return the clock after a message with a stamp [ns] came at a time [ns]."""
-        latency, least = arrival_ns - stamp_ns, self.least_ns
-        if least is None:
-            return self.begun(stamp_ns, arrival_ns)
-        least += (arrival_ns - self.arrival_ns) // DRIFT
-        if not (self.apart or self.late) and least <= latency <= self.tolerance_ns:
+        latency = arrival_ns - stamp_ns
+        if self.low_ns <= latency <= self.high_ns:
             return self  # as nearly always
-        if self.apart and stamp_ns < self.stamp_ns - self.tolerance_ns:
+        least = self.least_ns
+        if least is None or self.apart and stamp_ns < self.stamp_ns - self.tolerance_ns:
             return self.begun(stamp_ns, arrival_ns)  # it was set back
+        if self.apart:
+            least += (arrival_ns - self.arrival_ns) // DRIFT
         late, since_ns, late_least = 0, arrival_ns, latency
         if latency < least:
             least = latency
@@ -112,17 +122,19 @@ class SenderClock(NamedTuple):
                 least, late = late_least, 0
         limit = self.tolerance_ns // HYSTERESIS if self.apart else self.tolerance_ns
         apart = not -limit <= least <= limit
-        count, apart_since_ns = (self.count + 1, self.since_ns) if self.apart else (1, arrival_ns)
+        messages, first_ns = (self.messages + 1, self.since_ns) if self.apart else (1, arrival_ns)
         return SenderClock(
-            self.tolerance_ns, apart, least, stamp_ns, arrival_ns, count, apart_since_ns, late,
-            since_ns, late_least)
+            self.tolerance_ns, apart, least, stamp_ns, arrival_ns, messages, first_ns, late,
+            since_ns, late_least, *self._calm(apart or late > 0, least))
 
     def begun(self, stamp_ns: int, arrival_ns: int) -> 'SenderClock':
         """Return the clock as one message alone shows it: the first, or after a step of it."""
         latency = arrival_ns - stamp_ns
+        apart = abs(latency) > self.tolerance_ns
+        low_ns, high_ns = self._calm(apart, latency)
         return SenderClock(
-            self.tolerance_ns, abs(latency) > self.tolerance_ns, latency, stamp_ns, arrival_ns,
-            1, arrival_ns)
+            self.tolerance_ns, apart, latency, stamp_ns, arrival_ns, 1, arrival_ns,
+            low_ns=low_ns, high_ns=high_ns)
 
     def clock_stepped(self, step_ns: int) -> 'SenderClock':
         """Return the clock as it reads after the own one was stepped by ``step_ns``."""
@@ -134,5 +146,6 @@ class SenderClock(NamedTuple):
             since_ns=self.since_ns + step_ns, late_since_ns=self.late_since_ns + step_ns,
             late_least_ns=self.late_least_ns + apart_by)
 
-    def _least_at(self, arrival_ns: int) -> int:
-        return (self.least_ns or 0) + (arrival_ns - self.arrival_ns) // DRIFT
+    def _calm(self, alert: bool, least_ns: int) -> Tuple[int, int]:
+        """Return the latencies [ns] that teach nothing; where the clock is watched, none."""
+        return (0, -1) if alert else (least_ns, self.tolerance_ns)

@@ -45,8 +45,8 @@ from typing import NamedTuple, Optional, Tuple
 from diffdrive_kinematics.core.checks import is_sane, LARGEST
 
 __all__ = [
-    'Pair', 'Received', 'Verdict', 'WheelMotion', 'WheelSample', 'first_motion', 'rates_at',
-    'reached', 'receive', 'rolled', 'shifted', 'step_tolerance', 'timeout_from_seconds']
+    'Pair', 'Received', 'Verdict', 'WheelMotion', 'WheelSample', 'ZERO', 'first_motion', 'is_run',
+    'is_silent', 'rates_at', 'receive', 'rolled', 'shifted', 'step_tolerance', 'timeout_from_seconds']
 
 Pair = Tuple[float, float]
 ZERO: Pair = (0.0, 0.0)
@@ -59,7 +59,7 @@ class WheelSample:
     """
     One message about the wheels: rates [rad/s], positions [rad], or both; None where absent.
 
-    ``source`` tells one run of one publisher from another, where it is known.
+    ``source`` tells one publisher from another, where it is known; see :func:`is_run`.
 
     Raises
     ------
@@ -86,6 +86,16 @@ class WheelSample:
 def _absurd(name: str, pair: Pair) -> ValueError:
     return ValueError(
         f'{name} (left, right) is {pair!r}, expected finite numbers within +-{LARGEST:g}')
+
+
+def is_run(source: str) -> bool:
+    """
+    Tell whether a source is one run of a publisher of this package.
+
+    They have a ``#`` in it; anything else is what somebody else's driver takes for a frame.  Its
+    positions count from anywhere, and its rates are what it makes of them.
+    """
+    return '#' in source
 
 
 class WheelMotion(NamedTuple):
@@ -146,7 +156,7 @@ def first_motion(sample: WheelSample) -> WheelMotion:
     return WheelMotion(
         sample.stamp_ns, sample.stamp_ns, sample.rates or ZERO, sample.positions or ZERO,
         holds=sample.rates is not None, source=sample.source,
-        counted=bool(sample.positions or sample.source))
+        counted=bool(sample.positions) or is_run(sample.source))
 
 
 def shifted(motion: WheelMotion, step_ns: int) -> WheelMotion:
@@ -169,34 +179,27 @@ def rolled(motion: WheelMotion, time_ns: int, timeout_ns: Optional[int]) -> Pair
     return motion.rates[0] * seconds, motion.rates[1] * seconds
 
 
-def reached(motion: WheelMotion, time_ns: int, timeout_ns: Optional[int]) -> int:
-    """
-    Return the time [ns] at which to look at a motion when the own clock shows ``time_ns``.
-
-    Where the publisher's clock is so far ahead that it must be another one, that is its last
-    stamp: its wheels would stand for as long as it is ahead.
-    """
-    last_ns = motion.last_ns
-    ahead = last_ns > time_ns and last_ns > time_ns + step_tolerance(timeout_ns)
-    return last_ns if ahead else time_ns
-
-
 def rates_at(motion: WheelMotion, time_ns: int, timeout_ns: Optional[int]) -> Pair:
     """Return the wheel rates [rad/s] at ``time_ns``: 0 from the timeout on."""
-    if timeout_ns is not None and time_ns >= motion.last_ns + timeout_ns:
-        return ZERO
-    return motion.rates
+    return ZERO if is_silent(motion, time_ns, timeout_ns) else motion.rates
+
+
+def is_silent(motion: WheelMotion, time_ns: int, timeout_ns: Optional[int]) -> bool:
+    """Tell whether at ``time_ns`` nothing has been heard for the timeout."""
+    return timeout_ns is not None and time_ns >= motion.last_ns + timeout_ns
 
 
 def receive(
         motion: WheelMotion, sample: WheelSample, *, now_ns: int,
-        timeout_ns: Optional[int], max_rate: float = math.inf) -> Received:
+        timeout_ns: Optional[int], max_rate: float = math.inf, usual_ns: int = 0) -> Received:
     """
     Return what the wheels did up to ``sample``, and the motion that follows it.
 
     ``now_ns`` only serves to notice stamps from the future (a step of the clock).  A publisher
     whose clock is ahead for good makes one step, and its later stamps follow on each other.
-    ``max_rate`` [rad/s] is the mean rate since the message before above which positions jumped.
+    ``max_rate`` [rad/s] is the mean rate since the message before above which positions jumped,
+    where messages are at least the usual interval apart; stamps may be closer than what they are
+    the stamps of.
     """
     tolerance = step_tolerance(timeout_ns)
     stamp = sample.stamp_ns
@@ -214,7 +217,7 @@ def receive(
     same_source = sample.source == motion.source
     counts = same_source and sample.positions is not None and motion.counted
     travelled = _increment(motion, sample) if counts else held
-    if counts and _jumps(motion, travelled, stamp, max_rate):
+    if counts and _jumps(motion, travelled, stamp, max_rate, usual_ns):
         return Received(first_motion(sample), held, Verdict.JUMPED)
     begins = sample.positions is not None and not motion.counted
     as_held = not counts or _same(held, travelled, motion, sample)
@@ -255,7 +258,7 @@ def _renewed(motion: WheelMotion, repeat: WheelSample, held: Pair) -> WheelMotio
         return motion
     reference = motion.reference if repeat.positions else (-held[0], -held[1])
     return motion._replace(last_ns=repeat.stamp_ns, reference=reference,
-                           counted=bool(repeat.positions or repeat.source))
+                           counted=bool(repeat.positions) or is_run(repeat.source))
 
 
 def _stepped(
@@ -270,13 +273,15 @@ def _increment(motion: WheelMotion, sample: WheelSample) -> Pair:
     return left - motion.reference[0], right - motion.reference[1]
 
 
-def _jumps(motion: WheelMotion, travelled: Pair, stamp: int, max_rate: float) -> bool:
+def _jumps(
+        motion: WheelMotion, travelled: Pair, stamp: int, max_rate: float,
+        usual_ns: int) -> bool:
     """Tell whether positions went further since the message before than wheels can."""
     if max_rate == math.inf:
         return False
     since = motion.last_ns if motion.last_ns < stamp else motion.anchor_ns
     before = rolled(motion, since, None)
-    reach = max_rate * (stamp - since) / NANOSECONDS
+    reach = max_rate * max(stamp - since, usual_ns) / NANOSECONDS
     return any(abs(a - b) > reach + math.ulp(a) for a, b in zip(travelled, before))
 
 
