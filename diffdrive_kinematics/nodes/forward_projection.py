@@ -14,7 +14,7 @@
 
 """``forward_projection``: odometry and wheel rates in, where the robot may soon be out."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 import math
 from typing import Any, List, Mapping, Optional, Tuple, Union
 
@@ -111,7 +111,7 @@ class ForwardProjection(DiffDriveNode[Config]):
         self._odometry = message, pose_in_plane(message.pose.pose)
         now_ns = self._synchronised_now()
         stamp_ns = nanoseconds(message.header.stamp) or now_ns
-        self._clocks['odom_topic'].own_ns(stamp_ns, now_ns)
+        self._clocks['odom_topic'].note(stamp_ns, now_ns)
         self.heard.note(now_ns, stamp_ns)
 
     def _on_wheels(self, message: bytes) -> None:
@@ -119,9 +119,7 @@ class ForwardProjection(DiffDriveNode[Config]):
         sample = self._reader.read(message, lambda: now_ns)
         if sample is None:
             return
-        own_ns = self._clocks['wheel_motion_topic'].own_ns(sample.stamp_ns, now_ns)
-        if own_ns != sample.stamp_ns:
-            sample = replace(sample, stamp_ns=own_ns)
+        self._clocks['wheel_motion_topic'].note(sample.stamp_ns, now_ns)
         self._wheels, verdict = self._wheels.received(sample, now_ns)
         self.judge(verdict, self.config.values['wheel_motion_topic'])
 

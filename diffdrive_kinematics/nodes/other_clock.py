@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Stamps of another clock than that of the node: noticed, followed, and said once."""
+"""Stamps of another clock than that of the node: noticed, and said once."""
 
 from typing import Any, List, TYPE_CHECKING
 
@@ -45,8 +45,8 @@ class ClockWatch:
         self._clock = SenderClock(TOLERANCE_NS)
         self._said = False
 
-    def own_ns(self, stamp_ns: int, now_ns: int) -> int:
-        """Return the time [ns] on the node's clock of a stamp [ns] that came now."""
+    def note(self, stamp_ns: int, now_ns: int) -> None:
+        """Note a stamp [ns] that came now."""
         self._clock = clock = self._clock.observed(stamp_ns, now_ns)
         if clock.differs != self._said:
             self._said = clock.differs
@@ -54,7 +54,6 @@ class ClockWatch:
                 self._node.get_logger().warning(
                     f'{self._finding()} ({stamp_ns / 1e9:.3f} s, where that shows '
                     f'{now_ns / 1e9:.3f} s); silence is judged by arrival')
-        return clock.own_ns(stamp_ns)
 
     def clock_stepped(self, step_ns: int) -> None:
         """Note that the clock of the node was stepped."""

@@ -112,8 +112,10 @@ def both(poses, boundaries):
 @pytest.mark.parametrize('changes', [
     {}, {'stages': 5}, {'slip_distribution': 'triangular', 'stages': 3},
     {'slip_distribution': 'truncated_gaussian'}, {'left_slip_variance': 2e-3, 'stages': 2},
-    {'rates': (5.0, 5.0)}, {'rates': (-4.0, -5.0), 'stages': 4}],
-    ids=['uniform', 'stages', 'triangular', 'truncated', 'large', 'straight', 'reverse'])
+    {'rates': (5.0, 5.0)}, {'rates': (-4.0, -5.0), 'stages': 4},
+    {'rates': (0.0, 9.0), 'stages': 25}, {'executor': 'single_threaded'}],
+    ids=['uniform', 'stages', 'triangular', 'truncated', 'large', 'straight', 'reverse', 'pivot',
+         'executor'])
 def test_the_published_boundary_contains_every_published_sample(graph, changes):
     settings = {**SETTINGS, **changes}
     rates = settings.pop('rates', (6.0, 9.0))
