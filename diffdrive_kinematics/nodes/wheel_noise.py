@@ -69,7 +69,7 @@ class WheelNoise(DiffDriveNode[Config]):
         sample = self._reader.read(message, self.now_ns)
         if sample is None:
             return
-        self.heard.note(sample.stamp_ns, sample.stamp_ns)
+        self.heard.note(self.now_ns(), sample.stamp_ns)
         self._stream, noisy, verdict = self._stream.passed(sample, self._generator)
         self.judge(verdict, self.config.values['input_topic'])
         if noisy is not None:
@@ -77,7 +77,7 @@ class WheelNoise(DiffDriveNode[Config]):
             self._send(self._wheels.filled(noisy.stamp_ns, noisy.rates, noisy.positions))
 
     def diagnosis(self, look: Look) -> Diagnosis:
-        """Return how wheel motion passes through; its age is that of its stamp."""
+        """Return how wheel motion passes through."""
         values = self.config.values
         return Diagnosis({
             **heard_values(self.heard, look.now_ns, 'wheel motion'), 'sent': self.sent,
