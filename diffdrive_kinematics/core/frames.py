@@ -102,7 +102,7 @@ class OdometryHistory:
     >>> history = OdometryHistory((odometry,))
     >>> odometry, _ = odometry.received(WheelSample(0, (8.0, 8.0)), now_ns=0)
     >>> history = history.followed(odometry)
-    >>> history.pose_at(500_000_000, now_ns=1_000_000_000).x
+    >>> history.pose_at(500_000_000).x
     0.5
 
     """
