@@ -176,7 +176,7 @@ class Odometry(NamedTuple):
         return odometry._rolled(rest, result.motion, clock), verdict
 
     def _unmeasured(self) -> 'Odometry':
-        """Return the odometry that takes the rates at their word, as where positions are lacking."""
+        """Return the odometry that takes rates at their word: positions are lacking."""
         measured, motion = self.measured, self.motion
         if measured is None or motion is None:
             return self

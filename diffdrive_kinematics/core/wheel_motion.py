@@ -46,7 +46,8 @@ from diffdrive_kinematics.core.checks import is_sane, LARGEST
 
 __all__ = [
     'Pair', 'Received', 'Verdict', 'WheelMotion', 'WheelSample', 'ZERO', 'first_motion', 'is_run',
-    'is_silent', 'rates_at', 'receive', 'rolled', 'shifted', 'step_tolerance', 'timeout_from_seconds']
+    'is_silent', 'rates_at', 'receive', 'rolled', 'shifted', 'step_tolerance',
+    'timeout_from_seconds']
 
 Pair = Tuple[float, float]
 ZERO: Pair = (0.0, 0.0)

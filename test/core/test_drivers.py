@@ -18,7 +18,7 @@ from diffdrive_kinematics.core.measured_wheels import MeasuredWheels
 from diffdrive_kinematics.core.rate_window import RateWindow
 from diffdrive_kinematics.core.wheel_motion import Verdict, WheelSample
 from driver import (
-    base, Driver, driven, MS, RADIUS, ramp, S, seconds_of, START_NS, steady)
+    base, driven, Driver, MS, RADIUS, ramp, S, seconds_of, START_NS, steady)
 import pytest
 
 RATE = 5.0  # [rad/s]

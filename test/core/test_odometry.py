@@ -409,7 +409,8 @@ def test_a_base_that_is_put_elsewhere_stands_there_and_then_moves_on_by_what_whe
     moved, verdict = placed.received(following, NOW)
     assert verdict is Verdict.MOVED
     expected = START._replace(
-        x=RunningSum(-3.0), y=RunningSum(4.0), theta=RunningSum(0.5))._rolled((0.3, 0.3), None, START.clock)
+        x=RunningSum(-3.0), y=RunningSum(4.0), theta=RunningSum(0.5))._rolled(
+            (0.3, 0.3), None, START.clock)
     assert_same_reading(
         moved.at(following.stamp_ns)._replace(angles=STILL, rates=STILL),
         expected.at(0)._replace(angles=STILL, rates=STILL), 1e-9)
