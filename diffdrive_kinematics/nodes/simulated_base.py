@@ -164,7 +164,8 @@ class SimulatedBase(DiffDriveNode[Config]):
             return
         self.heard.note(now_ns, sample.stamp_ns)
         before = self._odometry
-        self._odometry, verdict = odometry, _ = before.received(sample, now_ns)
+        odometry, verdict = before.received(sample, now_ns)
+        self._odometry = odometry
         if odometry.clock is not before.clock or odometry.measured is not before.measured:
             self._driver.look(odometry)
         self.judge(verdict, self.config.values['wheel_motion_topic'])

@@ -85,6 +85,20 @@ def test_a_latency_that_grows_for_good_in_mid_drive_is_followed():
     assert all(r.rates[0] == pytest.approx(RATE) for _, r in settled(readings, 6.0))
 
 
+@pytest.mark.parametrize('pace', [0.3, 1.0])
+def test_a_driver_on_wall_time_moves_a_base_on_simulated_time_at_the_pace_of_its_positions(pace):
+    driver = Driver(steady(RATE), velocity=lambda rate: rate)
+    sim = [(S + round((arrival - START_NS) * pace), sample)
+           for arrival, sample in driver.messages(6.0)]
+    odometry, angles = base(), []
+    for arrival, sample in sim:
+        odometry, _ = odometry.received(sample, arrival)
+        angles += [odometry.at(arrival + wait).angles[0] for wait in (0, 5 * MS)]
+        assert angles[-2] == pytest.approx(RATE * seconds_of(sample.stamp_ns), abs=1e-6)
+    assert all(a <= b for a, b in zip(angles, angles[1:]))
+    assert odometry.clock.differs and odometry.at(arrival).rates[0] == pytest.approx(RATE)
+
+
 def test_a_clock_that_agrees_is_not_mapped_by_a_bit():
     driver = Driver(steady(RATE), positions=False, velocity=lambda rate: rate)
     _, odometry = driven(base(), driver.messages(3.0))
