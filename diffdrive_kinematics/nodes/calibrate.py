@@ -33,6 +33,7 @@ from diffdrive_kinematics.nodes.running import run, spin_node, Stop
 from diffdrive_kinematics.nodes.tables import CALIBRATE
 from diffdrive_kinematics.nodes.wheel_joints import wheel_joints
 from diffdrive_kinematics.nodes.wheel_messages import WheelReader
+from diffdrive_kinematics.nodes.wheel_watch import WheelWatch
 from geometry_msgs.msg import PoseStamped
 from nav_msgs.msg import Odometry
 from rclpy.clock import Clock
@@ -87,7 +88,9 @@ class Calibrate(DiffDriveNode[Config]):
         self._reader = WheelReader(
             wheel_joints(values), positions=values['position_feedback'],
             encoder_range=values['encoder_range'])
-        self.subscribe(JointState, values['motion_topic'], self._on_wheels, raw=True)
+        WheelWatch(self, self._reader, values['motion_topic'])
+        self.subscribe(
+            JointState, values['motion_topic'], self._on_wheels, raw=True, numbered=True)
         odometry = values['reference_type'] == 'odometry'
         self.subscribe(
             Odometry if odometry else PoseStamped, values['reference_topic'],
@@ -98,8 +101,8 @@ class Calibrate(DiffDriveNode[Config]):
             f"collecting '{values['motion_topic']}' and '{values['reference_topic']}' until "
             f'{self.get_fully_qualified_name()}/finish is called')
 
-    def _on_wheels(self, message: bytes) -> None:
-        sample = self._reader.read(message, self.now_ns)
+    def _on_wheels(self, message: bytes, number: int) -> None:
+        sample = self._reader.read(message, self.now_ns, number)
         if sample is not None:
             self.collection.add_wheels(sample)
 

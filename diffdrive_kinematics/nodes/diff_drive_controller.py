@@ -23,6 +23,7 @@ from diffdrive_kinematics.nodes.from_values import (
     axis_limits, check_sides, check_wiring, wheel_geometry)
 from diffdrive_kinematics.nodes.messages import command_in, TwistMessage
 from diffdrive_kinematics.nodes.node import DiffDriveNode
+from diffdrive_kinematics.nodes.publisher_watch import PublisherWatch
 from diffdrive_kinematics.nodes.running import main_of
 from diffdrive_kinematics.nodes.tables import DIFF_DRIVE_CONTROLLER
 from diffdrive_kinematics.nodes.wheel_joints import wheel_joints
@@ -85,9 +86,10 @@ class DiffDriveController(DiffDriveNode[Config]):
         self._twist_publisher = self.publisher(
             TwistStamped, values['cmd_vel_out_topic']) if limited else None
         self._stamped = values['enable_stamped_cmd_vel']
-        self.subscribe(
-            TwistStamped if self._stamped else TwistMsg, values['cmd_vel_topic'],
-            self._on_command, raw=True)
+        topic = values['cmd_vel_topic']
+        self._command_watch = PublisherWatch(self, topic, self.subscribe(
+            TwistStamped if self._stamped else TwistMsg, topic, self._on_command, raw=True),
+            'the robot obeys whoever spoke last; put twist_mux between them')
         self._timer = self.every(values['publish_rate'], self._tick)
         self._watchdog: Any = None
         self._set_watchdog(self.config.drive.cmd_vel_timeout)
@@ -191,7 +193,9 @@ class DiffDriveController(DiffDriveNode[Config]):
         return Diagnosis({
             **heard_values(self.heard, look.now_ns, 'command'),
             'achieved publish rate [Hz]': look.rate, 'saturated': drive.saturated,
-            'limited': drive.limited, 'timeouts': drive.timeouts}, [
+            'limited': drive.limited, 'timeouts': drive.timeouts,
+            'publishers of commands': self._command_watch.count}, [
+                *self._command_watch.troubles(),
                 *silence(self.heard, look.now_ns, values['cmd_vel_timeout'],
                          self.command_topic()),
                 *slowness(look, values['publish_rate'])])

@@ -38,6 +38,7 @@ from diffdrive_kinematics.nodes.running import main_of
 from diffdrive_kinematics.nodes.tables import FORWARD_PROJECTION
 from diffdrive_kinematics.nodes.wheel_joints import wheel_joints
 from diffdrive_kinematics.nodes.wheel_messages import WheelReader
+from diffdrive_kinematics.nodes.wheel_watch import WheelWatch
 from diffdrive_kinematics.nodes.worker import InPlace, Worker
 from geometry_msgs.msg import PolygonStamped, PoseArray
 from nav_msgs.msg import Odometry
@@ -90,6 +91,7 @@ class ForwardProjection(DiffDriveNode[Config]):
         super().__init__(name, FORWARD_PROJECTION, build, **composition)
         values = self.config.values
         self._reader = WheelReader(wheel_joints(values), encoder_range=values['encoder_range'])
+        self._wheel_watch = WheelWatch(self, self._reader, values['wheel_motion_topic'])
         self._wheels = core.Odometry.starting_at(  # for its account of the rates alone
             Pose(0.0, 0.0, 0.0), geometry=self.config.geometry, timeout_ns=self.config.timeout_ns)
         self._odometry: Optional[Tuple[Odometry, Pose]] = None
@@ -102,7 +104,8 @@ class ForwardProjection(DiffDriveNode[Config]):
         topic = values['boundary_topic']
         self._boundary_publisher = self.publisher(PolygonStamped, topic) if topic else None
         self.subscribe(Odometry, values['odom_topic'], self._on_odometry)
-        self.subscribe(JointState, values['wheel_motion_topic'], self._on_wheels, raw=True)
+        self.subscribe(
+            JointState, values['wheel_motion_topic'], self._on_wheels, raw=True, numbered=True)
         self._timer = self.every(values['publish_rate'], self._tick)
         self.parameters.on_change(self._configure)
         self._tell_bounds()
@@ -114,9 +117,9 @@ class ForwardProjection(DiffDriveNode[Config]):
         self._clocks['odom_topic'].note(stamp_ns, now_ns)
         self.heard.note(now_ns, stamp_ns)
 
-    def _on_wheels(self, message: bytes) -> None:
+    def _on_wheels(self, message: bytes, number: int) -> None:
         now_ns = self._synchronised_now()
-        sample = self._reader.read(message, lambda: now_ns)
+        sample = self._reader.read(message, lambda: now_ns, number)
         if sample is None:
             return
         self._clocks['wheel_motion_topic'].note(sample.stamp_ns, now_ns)
@@ -177,7 +180,9 @@ class ForwardProjection(DiffDriveNode[Config]):
         return Diagnosis({
             **heard_values(self.heard, look.now_ns, 'odometry'),
             'achieved projection rate [Hz]': look.rate,
-            'projections skipped': self._worker.skipped, **stamp_values(self.counts)}, [
+            'projections skipped': self._worker.skipped, **stamp_values(self.counts),
+            **self._wheel_watch.values()}, [
+                *self._wheel_watch.troubles(),
                 *silence(self.heard, look.now_ns, values['command_timeout'],
                          self.resolve_topic_name(values['odom_topic'])),
                 *(trouble for clock in self._clocks.values() for trouble in clock.troubles())])

@@ -29,7 +29,8 @@ from diffdrive_kinematics.nodes.entries import Entry
 from diffdrive_kinematics.nodes.last_word import repeat_until_heard
 from diffdrive_kinematics.nodes.overrides import given_overrides
 from diffdrive_kinematics.nodes.parameters import ConfigurationError, ParameterSet
-from diffdrive_kinematics.nodes.polling import Poll, QUEUE_DEPTH as POLLED_QUEUE_DEPTH
+from diffdrive_kinematics.nodes.polling import (
+    numbering, Poll, QUEUE_DEPTH as POLLED_QUEUE_DEPTH)
 from diffdrive_kinematics.nodes.qos import (
     check_delivery, Override, overrides_from, overriding_options, reliable)
 from diffdrive_kinematics.nodes.refusals import checked_clock, refusal
@@ -191,13 +192,17 @@ class DiffDriveNode(Node, Generic[Config]):
 
     def subscribe(
             self, message_type: type, topic: str, callback: Callable[[Any], None], *,
-            raw: bool = False, best_effort: bool = False, urgent: bool = True) -> Subscription:
+            raw: bool = False, best_effort: bool = False, urgent: bool = True,
+            numbered: bool = False) -> Subscription:
         """
         Return a reliable subscription; ``raw`` hands the callback serialised messages.
 
         What is not ``urgent`` may wait for a tenth of a second (see ``running.spin``).
 
         With ``best_effort`` it hears publishers of either kind: trackers offer no more than that.
+
+        ``numbered`` hands the callback the number of a message among those of its publisher as
+        well (0: unknown; so where time is stepped).
 
         A ``ValueError`` of the callback refuses the message: it is counted and reported, and
         the node lives on.
@@ -206,13 +211,15 @@ class DiffDriveNode(Node, Generic[Config]):
         guarded = self._guarded(topic, callback)
         if self._traffic:
             guarded = self._traffic.counted(self.resolve_topic_name(topic), guarded)
+        hear = numbering(guarded, stepped=bool(self._stepped)) if numbered else guarded
         return self._endpoint(
             lambda message_type, topic, profile, **options: self.create_subscription(
-                message_type, topic, guarded, profile, raw=raw, **options),
+                message_type, topic, hear, profile, raw=raw, **options),
             message_type, topic, 'subscription', BEST_EFFORT if best_effort else None)
 
     def poll(
-            self, message_type: type, topic: str, callback: Callable[[bytes, int], None]) -> Poll:
+            self, message_type: type, topic: str,
+            callback: Callable[[bytes, int, int], None]) -> Poll:
         """
         Return what hands serialised messages on when it is asked to; see :class:`Poll`.
 
@@ -222,7 +229,8 @@ class DiffDriveNode(Node, Generic[Config]):
         """
         if not (isinstance(self._beat, SteadyTimers) and self._keeps_enough(topic)
                 and get_rmw_implementation_identifier() in NOTES_ARRIVAL):
-            self.subscribe(message_type, topic, lambda data: callback(data, 0), raw=True)
+            self.subscribe(message_type, topic, lambda data, number: callback(data, 0, number),
+                           raw=True, numbered=True)
             return Poll(self, callback)
         subscription = self._endpoint(
             lambda message_type, topic, profile, **options: self.create_subscription(

@@ -42,6 +42,7 @@ from diffdrive_kinematics.nodes.tables import SIMULATED_BASE
 from diffdrive_kinematics.nodes.tf import frame_prefix, TransformPublisher
 from diffdrive_kinematics.nodes.wheel_joints import wheel_joints
 from diffdrive_kinematics.nodes.wheel_messages import WheelMessage, WheelReader
+from diffdrive_kinematics.nodes.wheel_watch import WheelWatch
 from geometry_msgs.msg import PoseWithCovarianceStamped
 from nav_msgs.msg import Odometry
 import numpy as np
@@ -113,6 +114,7 @@ class SimulatedBase(DiffDriveNode[Config]):
         self._reader = WheelReader(
             joints, positions=values['position_feedback'], encoder_range=encoder.period)
         self._driver = DriverWatch(self, values['wheel_motion_topic'])
+        self._wheel_watch = WheelWatch(self, self._reader, values['wheel_motion_topic'])
         self._wheel_motion = self.poll(  # first, since it takes longest: others have to find it
             JointState, values['wheel_motion_topic'], self._on_wheels)
         self._wheel_motion.promise(values['publish_rate'])
@@ -156,10 +158,10 @@ class SimulatedBase(DiffDriveNode[Config]):
         """Return the base as it is now."""
         return self._odometry.at(self._updated_now())
 
-    def _on_wheels(self, message: bytes, received_ns: int) -> None:
+    def _on_wheels(self, message: bytes, received_ns: int, number: int) -> None:
         now_ns = self._synchronised_now()
         now_ns = min(now_ns, received_ns or now_ns)
-        sample = self._reader.read(message, lambda: now_ns)
+        sample = self._reader.read(message, lambda: now_ns, number)
         if sample is None:
             return
         self.heard.note(now_ns, sample.stamp_ns)
@@ -250,8 +252,8 @@ class SimulatedBase(DiffDriveNode[Config]):
             'position jumps': self.counts[Verdict.JUMPED.value],
             'last now - stamp [s]': self.heard.skew_ns / 1e9,
             'largest now - stamp [s]': self.heard.largest_skew_ns / 1e9,
-            **self._driver.values(self._odometry)}, [
-                *self._driver.troubles(),
+            **self._wheel_watch.values(), **self._driver.values(self._odometry)}, [
+                *self._wheel_watch.troubles(), *self._driver.troubles(),
                 *silence(self.heard, look.now_ns, values['command_timeout'],
                          self.resolve_topic_name(values['wheel_motion_topic'])),
                 *slowness(look, values['publish_rate'])])

@@ -28,6 +28,7 @@ from diffdrive_kinematics.nodes.running import main_of
 from diffdrive_kinematics.nodes.tables import WHEEL_NOISE
 from diffdrive_kinematics.nodes.wheel_joints import wheel_joints
 from diffdrive_kinematics.nodes.wheel_messages import WheelMessage, WheelReader
+from diffdrive_kinematics.nodes.wheel_watch import WheelWatch
 import numpy as np
 from sensor_msgs.msg import JointState
 
@@ -57,16 +58,18 @@ class WheelNoise(DiffDriveNode[Config]):
         values = self.config.values
         joints = wheel_joints(values)
         self._reader = WheelReader(joints, encoder_range=values['encoder_range'])
+        self._wheel_watch = WheelWatch(self, self._reader, values['input_topic'])
         self._wheels = WheelMessage(joints, self.source())
         self._stream = self.config.stream
         self._seed = values['seed']
         self._generator = np.random.default_rng(self._seed)
         self._send = self.sender(self.publisher(JointState, values['output_topic']))
-        self.subscribe(JointState, values['input_topic'], self._on_wheels, raw=True)
+        self.subscribe(
+            JointState, values['input_topic'], self._on_wheels, raw=True, numbered=True)
         self.parameters.on_change(self._configure)
 
-    def _on_wheels(self, message: bytes) -> None:
-        sample = self._reader.read(message, self.now_ns)
+    def _on_wheels(self, message: bytes, number: int) -> None:
+        sample = self._reader.read(message, self.now_ns, number)
         if sample is None:
             return
         self.heard.note(self.now_ns(), sample.stamp_ns)
@@ -81,9 +84,10 @@ class WheelNoise(DiffDriveNode[Config]):
         values = self.config.values
         return Diagnosis({
             **heard_values(self.heard, look.now_ns, 'wheel motion'), 'sent': self.sent,
-            **stamp_values(self.counts)}, silence(
-                self.heard, look.now_ns, values['command_timeout'],
-                self.resolve_topic_name(values['input_topic'])))
+            **stamp_values(self.counts), **self._wheel_watch.values()}, [
+                *self._wheel_watch.troubles(),
+                *silence(self.heard, look.now_ns, values['command_timeout'],
+                         self.resolve_topic_name(values['input_topic']))])
 
     def _configure(self, config: Config) -> None:
         new = config.stream
