@@ -98,6 +98,10 @@ class SenderClocks(NamedTuple):
         return (self._with(Clock(least, doubt.first_ns, arrival_ns, known), doubt),
                 latency_ns - least if known else age)
 
+    def agree(self) -> bool:
+        """Return whether all senders are on the own clock, as far as is known."""
+        return len(self.clocks) == 1 and self.clocks[0].offset_ns == 0
+
     def clock_stepped(self, step_ns: int) -> 'SenderClocks':
         """Return the clocks after the own one was stepped: some senders' were, and some not."""
         known = [clock for clock in self.clocks if clock.known][-MOST // 2:]

@@ -28,7 +28,7 @@ from diffdrive_kinematics.core.reachable import reachable_set_from_slip
 from diffdrive_kinematics.core.sequence import Command
 from diffdrive_kinematics.core.wheel_motion import timeout_from_seconds
 from diffdrive_kinematics.nodes.diagnostics import (
-    Diagnosis, heard_values, Look, silence, stamp_values)
+    Diagnosis, heard_values, Look, quiet, stamp_values, unheard)
 from diffdrive_kinematics.nodes.from_values import (
     check_sides, check_wiring, wheel_geometry, wheel_slips)
 from diffdrive_kinematics.nodes.messages import nanoseconds, pose_in_plane
@@ -107,6 +107,8 @@ class ForwardProjection(DiffDriveNode[Config]):
         self.heard.note(stamp_ns, stamp_ns)
 
     def _on_wheels(self, message: bytes) -> None:
+        if self.waits_for_clock():
+            return
         now_ns = self._synchronised_now()
         sample = self._reader.read(message, lambda: now_ns)
         if sample is None:
@@ -152,11 +154,12 @@ class ForwardProjection(DiffDriveNode[Config]):
     def diagnosis(self, look: Look) -> Diagnosis:
         """Return how odometry comes in and projections go out."""
         values = self.config.values
+        topic = self.resolve_topic_name(values['odom_topic'])
         return Diagnosis({
             **heard_values(self.heard, look.now_ns, 'odometry'),
-            'achieved projection rate [Hz]': look.rate, **stamp_values(self.counts)}, silence(
-                self.heard, look.now_ns, values['command_timeout'],
-                self.resolve_topic_name(values['odom_topic'])))
+            'achieved projection rate [Hz]': look.rate, **stamp_values(self.counts)}, [
+                *unheard(self.heard, topic),
+                *quiet(self.heard, look.now_ns, values['command_timeout'], topic)])
 
     def _synchronised_now(self) -> int:
         now_ns, step_ns = self.now_and_step()

@@ -15,12 +15,13 @@
 
 import math
 
-from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from diagnostic_msgs.msg import DiagnosticArray
 from diffdrive_kinematics.nodes.diagnostics import (
-    Diagnosis, Heard, Look, Reporter, silence, slowness, Trouble)
+    Diagnosis, Heard, Look, quiet, Reporter, slowness, Trouble, unheard)
 from diffdrive_kinematics.nodes.simulated_base import SimulatedBase
 from geometry_msgs.msg import Twist
 from graph import KHEPERA, set_stamp, stamp_ns, twist
+from health import collect, ERROR, OK, wait_for_level, WARN
 from inside import inside, START_NS
 from nav_msgs.msg import Odometry
 import pytest
@@ -28,8 +29,6 @@ from sensor_msgs.msg import JointState
 
 CONTROLLER = 'diff_drive_controller'
 JOINTS = ['left_wheel_joint', 'right_wheel_joint']
-OK, WARN, ERROR, STALE = (
-    DiagnosticStatus.OK, DiagnosticStatus.WARN, DiagnosticStatus.ERROR, DiagnosticStatus.STALE)
 NODES = {
     CONTROLLER: KHEPERA, 'wheel_noise': {'wheel_radius': 0.021}, 'simulated_base': KHEPERA,
     'command_sequence': {'commands': [0.1, 0.0, 60.0]}, 'forward_projection': KHEPERA}
@@ -48,26 +47,6 @@ class Listeners:
     def publish(self, message):
         self.levels.append(message.status[0].level)
         self.messages.append(message.status[0].message)
-
-
-def collect(graph, name):
-    """Return a list to which each status of a node is added, as (level, message, values)."""
-    statuses = []
-
-    def handle(message):
-        statuses.extend(
-            (status.level, status.message, {pair.key: pair.value for pair in status.values})
-            for status in message.status if status.name == name)
-
-    graph.collect(DiagnosticArray, '/diagnostics', handle)
-    return statuses
-
-
-def wait_for_level(graph, statuses, level, words=''):
-    return graph.wait_for(
-        lambda: next((status for status in reversed(statuses)
-                      if status[0] == level and words in status[1]), None),
-        f'level {level} with {words!r} in {statuses[-1:]}')
 
 
 @pytest.mark.parametrize('name', NODES)
