@@ -253,7 +253,8 @@ class DiffDriveController(DiffDriveNode[Config]):
         now_ns, step_ns = self.now_and_step()
         if step_ns:
             self._drive = self._drive.clock_stepped(step_ns)
-            self._told_ns = max(-1, self._told_ns + step_ns)
+            if self._told_ns >= 0:
+                self._told_ns = max(0, self._told_ns + step_ns)
             self._intake.clock_stepped(step_ns, wall=self._clock_watch is None)
         return now_ns
 
