@@ -16,14 +16,14 @@
 
 import math
 import time
-from typing import Any, Callable, Dict, Mapping, NamedTuple, Optional
+from typing import Any, Callable, Dict, Mapping, Optional, Tuple
 
 from diffdrive_kinematics.core.drive import Twist
 from diffdrive_kinematics.core.sender_clocks import SenderClocks
 from diffdrive_kinematics.nodes.messages import command_in
 from rclpy.subscription import Subscription
 
-__all__ = ['Backlog', 'Command', 'CommandIntake', 'LATE_NS', 'STILL']
+__all__ = ['Backlog', 'CommandIntake', 'LATE_NS', 'STILL']
 
 STILL = Twist(0.0, 0.0)
 NANOSECONDS = 1e9
@@ -33,19 +33,6 @@ REPORT_PERIOD_S = 1.0
 GRACE_S = 0.02  # which the middleware has to deliver after the process was held up
 PAUSE_S = 0.001
 MOST = 1000
-
-
-class Command(NamedTuple):
-    """
-    A command that is alive: the twist, from when [ns] it holds, and how old [ns] it is.
-
-    Its own stamp [ns] is that on the clock of the controller, or 0 where it has none.
-    """
-
-    twist: Twist
-    stamp_ns: int
-    age_ns: int
-    own_ns: int
 
 
 class CommandIntake:
@@ -88,8 +75,23 @@ class CommandIntake:
 
     def alive(
             self, message: bytes, now_ns: int, sent: Optional[Mapping[str, Any]]
-    ) -> Optional[Command]:
-        """Return the command of a serialised message, or None for one that is refused."""
+    ) -> Optional[Tuple[Twist, int, int, int]]:
+        """
+        Return the command of a serialised message, or None for one that is refused.
+
+        It is the twist, the time from which it holds, its age, and its own stamp on the clock of
+        the controller, 0 where it has none; times in ns.
+
+        Parameters
+        ----------
+        message : bytes
+            A serialised Twist, or TwistStamped.
+        now_ns : int
+            Time of arrival [ns].
+        sent : mapping or None
+            What the middleware knows of it; None: it has just been sent.
+
+        """
         own_ns, v, w = command_in(message, self._stamped)
         twist, stamp_ns, age_ns = Twist(v, w), now_ns, 0
         if self._offset_ns is None:
@@ -103,15 +105,17 @@ class CommandIntake:
                 return self._refused(
                     f'is stamped {(self._obeyed_ns - own_ns) / NANOSECONDS:.3f} s before the last '
                     'one obeyed')
-        if sent is not None and self._clocks.timeout_ns:
-            age_ns = max(age_ns, self._age(sent['source_timestamp']))
+        if sent is not None and self._clocks.timeout_ns and (sent_ns := sent['source_timestamp']):
+            latency_ns = time.time_ns() - sent_ns
+            if not (self._on_own_clock and 0 <= latency_ns < LATE_NS):  # as nearly always
+                age_ns = max(age_ns, self._learnt_age(latency_ns))
         if age_ns > self._oldest_ns and twist != STILL:
             return self._refused(
                 f'is {age_ns / NANOSECONDS:.3f} s old, cmd_vel_timeout is '
                 f"{self._node.config.values['cmd_vel_timeout']!r}")
         if own_ns:
             self._obeyed_ns = min(own_ns, now_ns)
-        return Command(twist, stamp_ns, age_ns, own_ns)
+        return twist, stamp_ns, age_ns, own_ns
 
     def clock_stepped(self, step_ns: int, *, wall: bool) -> None:
         """Note that the own clock, the ``wall`` clock or a simulated one, was stepped."""
@@ -124,16 +128,12 @@ class CommandIntake:
         """Return what diagnostics tell of it."""
         return {'old commands': self._node.counts['old commands']}
 
-    def _age(self, sent_ns: int) -> int:
-        """Return how long ago [ns] a message was sent; 0 where the middleware does not tell."""
-        if not sent_ns:
-            return 0
-        latency_ns = time.time_ns() - sent_ns
-        if self._on_own_clock:
-            if 0 <= latency_ns < LATE_NS:
-                return latency_ns  # as nearly always
-            self._clocks = self._clocks.heard(0, time.monotonic_ns())[0]
-        self._clocks, age_ns = self._clocks.heard(latency_ns, time.monotonic_ns())
+    def _learnt_age(self, latency_ns: int) -> int:
+        """Return how long ago [ns] a message was sent, and learn of its sender's clock."""
+        now_ns = time.monotonic_ns()
+        if self._on_own_clock:  # up to now
+            self._clocks = self._clocks.heard(0, now_ns)[0]
+        self._clocks, age_ns = self._clocks.heard(latency_ns, now_ns)
         self._on_own_clock = self._clocks.agree()
         return age_ns
 

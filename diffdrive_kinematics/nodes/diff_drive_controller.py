@@ -112,31 +112,34 @@ class DiffDriveController(DiffDriveNode[Config]):
         """Return the resolved name of the topic that the controller listens to."""
         return self.resolve_topic_name(self.config.values['cmd_vel_topic'])
 
-    def _on_command(self, message: bytes, sent: Optional[Mapping[str, Any]] = None) -> None:
+    def _on_command(self, message: Any, sent: Optional[Mapping[str, Any]] = None) -> None:
+        if type(message) is tuple:
+            message, sent = message
         now_ns = self._synchronised_now()
         self._heard_command = True
         if self._stop.engaged:
             self._stop.ignore()
             return
-        command = self._intake.alive(message, now_ns, sent)
-        if command is None:
+        alive = self._intake.alive(message, now_ns, sent)
+        if alive is None:
             return
+        twist, stamp_ns, age_ns, own_ns = alive
         if not now_ns and self.waits_for_clock():
-            if command.twist == STILL:
+            if twist == STILL:
                 self._halt()
             return
-        self.heard.note(now_ns, command.own_ns or now_ns)
+        self.heard.note(now_ns, own_ns or now_ns)
         if self._watchdog:
             self._watchdog.reset()
-        if self._was_held_up(now_ns):
+        if self._is_over(now_ns - LATE_NS):
             self._drive = self._drive._replace(deadline_ns=None)  # nobody was told of the end
         try:
-            self._command(command.twist, command.stamp_ns)
+            self._command(twist, stamp_ns)
         except ValueError:
             self._command(STILL, now_ns)
             raise
-        if command.age_ns > LATE_NS:
-            self._end_early(now_ns, command.age_ns)
+        if age_ns > LATE_NS:
+            self._end_early(now_ns, age_ns)
         if self._clock_watch:
             self._command_steady_ns = time.monotonic_ns()
             self._obey_without_clock()
@@ -154,35 +157,33 @@ class DiffDriveController(DiffDriveNode[Config]):
 
     def _tick(self) -> None:
         now_ns = self._synchronised_now()
-        if self._backlog and self._is_over(now_ns):
+        if self._is_over(now_ns):
             self._hear_backlog()
             now_ns = self._synchronised_now()
-        self._drive, changes = self._drive.advanced(now_ns)
-        told, last_ns = self._drive.told(now_ns), self._last(changes)
-        told_anew = changes or self.sent != self._sent_by_tick
-        repeats = told.stamp_ns != last_ns and not (
-            told_anew and told.stamp_ns - last_ns < self._drive.settings.period_ns)
-        self._tell([*changes, told] if repeats else changes)
+        drive, changes = self._drive.advanced(now_ns)
+        self._drive = drive
+        told = drive.told(now_ns)
+        passed_ns = told.stamp_ns - (changes[-1].stamp_ns if changes else self._told_ns)
+        if passed_ns and (passed_ns >= drive.settings.period_ns
+                          or not changes and self.sent == self._sent_by_tick):
+            changes.append(told)  # else it was said since the last tick
+        self._tell(changes)
         self._sent_by_tick = self.sent
         if not self._heard_command and now_ns >= self._next_type_check_ns:
             self._next_type_check_ns = now_ns + TYPE_CHECK_PERIOD_NS
             self._report_other_type()
 
-    def _is_over(self, now_ns: int) -> bool:
-        """Return whether the last command has ended."""
+    def _is_over(self, time_ns: int) -> bool:
+        """Return whether the last command had ended at a time and could not be ended in time."""
         end_ns = self._drive.deadline_ns
-        return end_ns is not None and now_ns >= end_ns
-
-    def _was_held_up(self, now_ns: int) -> bool:
-        """Return whether the process could not end the last command in time."""
-        return self._backlog is not None and self._is_over(now_ns - LATE_NS)
+        return end_ns is not None and end_ns <= time_ns and self._backlog is not None
 
     def _hear_backlog(self) -> None:
         """Hear the commands that have come already: the process may have been held up."""
         if self._backlog:
             end_ns = self._drive.deadline_ns
             self._backlog.hand_on(
-                lambda: self._drive.deadline_ns != end_ns, wait=self._was_held_up(self.now_ns()))
+                lambda: self._drive.deadline_ns != end_ns, wait=self._is_over(self.now_ns() - LATE_NS))
 
     def _set_watchdog(self, timeout: float) -> None:
         if self._watchdog:
@@ -230,9 +231,6 @@ class DiffDriveController(DiffDriveNode[Config]):
         if now_ns or self._drive.rates != REST:
             self._drive = self._drive.halted(max(now_ns, self._told_ns + 1))
         self._tell([self._drive.told(now_ns)])
-
-    def _last(self, changes: List[DriveTelling]) -> int:
-        return changes[-1].stamp_ns if changes else self._told_ns
 
     def _tell(self, tellings: List[DriveTelling]) -> None:
         """Publish; the first message has no positions and is the baseline for the others'."""

@@ -57,6 +57,7 @@ VERDICTS = {  # where it was seen, and what was done
     Verdict.OUT_OF_ORDER: ('stamps', 'dropped'),
     Verdict.CLOCK_STEP: ('stamps', 'nothing integrated'),
     Verdict.JUMPED: ('positions', 'they count anew, max_encoder_rate is exceeded')}
+# of a callback that rclpy hands what is known of a message, too
 INFORMED = signature(lambda message, sent: None)
 UNREADABLE = (ValueError, OverflowError, rclpy_implementation.RMWError)
 HARDWARE = 'robot'  # what a node without a namespace belongs to
@@ -225,7 +226,8 @@ class DiffDriveNode(Node, Generic[Config]):
         """
         Return a reliable subscription; ``raw`` hands the callback serialised messages.
 
-        One that is ``informed`` gets, as a second argument, what the middleware knows of them.
+        One that is ``informed`` gets, as a second argument, what the middleware knows of them;
+        EventsExecutor of rclpy 7.1 hands it both in one tuple.
 
         What is not ``urgent`` may wait for a tenth of a second (see ``running.spin``).
 
@@ -239,7 +241,7 @@ class DiffDriveNode(Node, Generic[Config]):
         if self._traffic:
             guarded = self._traffic.counted(self.resolve_topic_name(topic), guarded)
         if informed:
-            guarded = _of_two(guarded)
+            guarded.__signature__ = INFORMED  # type: ignore[attr-defined]
         return self._endpoint(
             lambda message_type, topic, profile, **options: self.create_subscription(
                 message_type, topic, guarded, profile, raw=raw, **options),
@@ -401,19 +403,6 @@ class DiffDriveNode(Node, Generic[Config]):
             self.last_word()
         else:
             repeat_until_heard(self, self.last_word)
-
-
-def _of_two(callback: Callable[..., None]) -> Callable[..., None]:
-    """
-    Return a callback that rclpy takes for one of two arguments: a message, and what is known of it.
-
-    EventsExecutor of rclpy 7.1 hands it both in one tuple.
-    """
-    def of_two(*both: Any) -> None:
-        callback(*(both if len(both) == 2 else both[0]))
-
-    of_two.__signature__ = INFORMED  # type: ignore[attr-defined]
-    return of_two
 
 
 def _nobody(_: bytes) -> None:
