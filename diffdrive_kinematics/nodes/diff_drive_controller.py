@@ -132,7 +132,7 @@ class DiffDriveController(DiffDriveNode[Config]):
         if self._watchdog:
             self._watchdog.reset()
         if self._is_over(now_ns - LATE_NS):
-            self._drive = self._drive._replace(deadline_ns=None)  # nobody was told of the end
+            self._go_on(now_ns)
         try:
             self._command(twist, stamp_ns)
         except ValueError:
@@ -147,6 +147,11 @@ class DiffDriveController(DiffDriveNode[Config]):
     def _command(self, twist: Twist, stamp_ns: int) -> None:
         self._drive, changes = self._drive.commanded(twist, stamp_ns)
         self._tell(changes)
+
+    def _go_on(self, now_ns: int) -> None:
+        """Take the time since the last command ended, of which nobody was told, for none."""
+        drive = self._drive.clock_stepped(now_ns - self._drive.deadline_ns)
+        self._drive = drive._replace(deadline_ns=None)
 
     def _end_early(self, now_ns: int, age_ns: int) -> None:
         """Let a command that was long on its way end a timeout after it was sent."""
@@ -183,7 +188,8 @@ class DiffDriveController(DiffDriveNode[Config]):
         if self._backlog:
             end_ns = self._drive.deadline_ns
             self._backlog.hand_on(
-                lambda: self._drive.deadline_ns != end_ns, wait=self._is_over(self.now_ns() - LATE_NS))
+                lambda: self._drive.deadline_ns != end_ns,
+                wait=self._is_over(self.now_ns() - LATE_NS))
 
     def _set_watchdog(self, timeout: float) -> None:
         if self._watchdog:

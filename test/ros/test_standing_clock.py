@@ -156,7 +156,7 @@ def test_while_time_stands_the_wheels_are_never_faster_than_asked_though_ramps_c
 
     graph.wait_for(obeyed, 'no more than what is asked')
     still = next(n for n in range(driven, len(rates)) if not any(rates[n].velocity))
-    assert len(set(tuple(message.velocity) for message in rates[driven:still])) <= 1
+    assert len({tuple(message.velocity) for message in rates[driven:still]}) <= 1
     assert_no_stamp_falls(rates)
     drive(graph, time, rates, commands, asked)
 
