@@ -29,7 +29,7 @@ from rclpy.validate_topic_name import validate_topic_name
 __all__ = [
     'Check', 'Entry', 'Kind', 'check_bias', 'check_concentration', 'check_count',
     'check_description', 'check_diagonal', 'check_distribution', 'check_frame', 'check_horizon',
-    'check_joint_names', 'check_named', 'check_one_of', 'check_optional_picture',
+    'check_joint_names', 'check_named', 'check_offset', 'check_one_of', 'check_optional_picture',
     'check_optional_seed', 'check_optional_topic', 'check_picture', 'check_pose',
     'check_positive_or_nan', 'check_prefix', 'check_range', 'check_rate_or_off',
     'check_resolution', 'check_seed', 'check_slip_model', 'check_stages', 'check_step',
@@ -37,6 +37,7 @@ __all__ = [
 
 Check = Callable[[str, Any], Any]
 MOST, MOST_STAGES, MOST_IN_WINDOW = 100_000, 25, 1000
+MOST_OFFSET = 1e9  # [s]
 
 
 class Kind(enum.Enum):
@@ -91,6 +92,12 @@ def check_concentration(name: str, value: float) -> None:
 def check_positive_or_nan(name: str, value: float) -> None:
     if not math.isnan(value):
         check_positive(name, value)
+
+
+def check_offset(name: str, value: float) -> None:
+    if not (math.isnan(value) or abs(value) <= MOST_OFFSET):
+        raise ValueError(
+            f'{name} is {value!r}, expected seconds within +-{MOST_OFFSET:g}, or NaN')
 
 
 def check_count(name: str, value: int) -> None:

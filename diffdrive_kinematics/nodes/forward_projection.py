@@ -27,7 +27,7 @@ from diffdrive_kinematics.core.projected import Projected, projected
 from diffdrive_kinematics.core.sequence import Command
 from diffdrive_kinematics.core.wheel_motion import timeout_from_seconds
 from diffdrive_kinematics.nodes.diagnostics import (
-    Diagnosis, heard_values, Look, silence, stamp_values)
+    Diagnosis, heard_values, Look, quiet, stamp_values, unheard)
 from diffdrive_kinematics.nodes.from_values import (
     check_sides, check_wiring, wheel_geometry, wheel_slips)
 from diffdrive_kinematics.nodes.messages import nanoseconds, pose_in_plane
@@ -118,6 +118,8 @@ class ForwardProjection(DiffDriveNode[Config]):
         self.heard.note(now_ns, stamp_ns)
 
     def _on_wheels(self, message: bytes, number: int) -> None:
+        if self.waits_for_clock():
+            return
         now_ns = self._synchronised_now()
         sample = self._reader.read(message, lambda: now_ns, number)
         if sample is None:
@@ -177,14 +179,14 @@ class ForwardProjection(DiffDriveNode[Config]):
     def diagnosis(self, look: Look) -> Diagnosis:
         """Return how odometry comes in and projections go out."""
         values = self.config.values
+        topic = self.resolve_topic_name(values['odom_topic'])
         return Diagnosis({
             **heard_values(self.heard, look.now_ns, 'odometry'),
             'achieved projection rate [Hz]': look.rate,
             'projections skipped': self._worker.skipped, **stamp_values(self.counts),
             **self._wheel_watch.values()}, [
-                *self._wheel_watch.troubles(),
-                *silence(self.heard, look.now_ns, values['command_timeout'],
-                         self.resolve_topic_name(values['odom_topic'])),
+                *self._wheel_watch.troubles(), *unheard(self.heard, topic),
+                *quiet(self.heard, look.now_ns, values['command_timeout'], topic),
                 *(trouble for clock in self._clocks.values() for trouble in clock.troubles())])
 
     def _synchronised_now(self) -> int:

@@ -34,6 +34,7 @@ from diffdrive_kinematics.nodes.polling import (
 from diffdrive_kinematics.nodes.qos import (
     check_delivery, Override, overrides_from, overriding_options, reliable)
 from diffdrive_kinematics.nodes.refusals import checked_clock, refusal
+from diffdrive_kinematics.nodes.simulated_clock import ClockWatch
 from diffdrive_kinematics.nodes.traffic import Traffic
 from rclpy.clock import Clock
 from rclpy.clock_type import ClockType
@@ -58,6 +59,7 @@ VERDICTS = {  # where it was seen, and what was done
     Verdict.OUT_OF_ORDER: ('stamps', 'dropped'),
     Verdict.CLOCK_STEP: ('stamps', 'nothing integrated'),
     Verdict.JUMPED: ('positions', 'they count anew, max_encoder_rate is exceeded')}
+# of a callback that rclpy hands what is known of a message, too
 UNREADABLE = (ValueError, OverflowError, rclpy_implementation.RMWError)
 HARDWARE = 'robot'  # what a node without a namespace belongs to
 # that of Cyclone DDS in Jazzy takes the time at which a message is taken for that of its arrival
@@ -101,6 +103,7 @@ class DiffDriveNode(Node, Generic[Config]):
         super().__init__(name, namespace=namespace or None)
         self._stepped = stepped
         self._traffic = traffic
+        self._steady_timers = timers
         self.time_clock: Clock = stepped.ros_clock if stepped else self.get_clock()
         self._step_watch = StepWatch(self.time_clock)
         self._beat: Optional[Timers] = (
@@ -113,6 +116,9 @@ class DiffDriveNode(Node, Generic[Config]):
         self._reporter: Optional[Reporter] = None
         self.parameters: ParameterSet[Config] = ParameterSet(self, table, build, neighbours)
         self._start_diagnostics(self.parameters.values.get('diagnostics_rate', 0.0))
+        self._clock_watch: Optional[ClockWatch] = None
+        self._watch_clock(())
+        self.add_post_set_parameters_callback(self._watch_clock)
 
     @property
     def config(self) -> Config:
@@ -148,6 +154,32 @@ class DiffDriveNode(Node, Generic[Config]):
         if not clock.ros_time_is_active:
             clock = Clock(clock_type=ClockType.STEADY_TIME)
         return self.create_timer(period_ns(rate) / 1e9, callback, clock=clock)
+
+    def steadily(self, rate: float, callback: Callable[[], None]) -> Any:
+        """Return a timer that calls back at a rate [Hz] although a simulated clock stands."""
+        if self._stepped or not self.time_clock.ros_time_is_active:
+            return self.every(rate, callback)
+        if self._steady_timers:
+            return self._steady_timers.create_timer(period_ns(rate), callback)
+        return self.create_timer(
+            period_ns(rate) / 1e9, callback, clock=Clock(clock_type=ClockType.STEADY_TIME))
+
+    def waits_for_clock(self) -> bool:
+        """Return whether the node is on simulated time that has not begun: nothing may move."""
+        return (not self._stepped and self.time_clock.ros_time_is_active
+                and not clock_ns(self.time_clock))
+
+    def clock_stood_s(self) -> float:
+        """Return for how long [s] of steady time a simulated clock has stood; 0 for others."""
+        return self._clock_watch.stood_s() if self._clock_watch else 0.0
+
+    def on_clock_look(self, stood_s: float) -> None:
+        """Do what a simulated clock that has stood for so long [s] cannot bring about."""
+
+    def _watch_clock(self, _: object) -> None:
+        """Look at the clock from now on where it is a simulated one."""
+        if not (self._clock_watch or self._stepped) and self.time_clock.ros_time_is_active:
+            self._clock_watch = ClockWatch(self)
 
     def retimed(self, timer: Any, rate: float, callback: Callable[[], None]) -> Any:
         """Return the timer, or one in its place where it has another rate [Hz]."""
@@ -193,9 +225,11 @@ class DiffDriveNode(Node, Generic[Config]):
     def subscribe(
             self, message_type: type, topic: str, callback: Callable[[Any], None], *,
             raw: bool = False, best_effort: bool = False, urgent: bool = True,
-            numbered: bool = False) -> Subscription:
+            informed: bool = False, numbered: bool = False) -> Subscription:
         """
         Return a reliable subscription; ``raw`` hands the callback serialised messages.
+
+        One that is ``informed`` gets, as a second argument, what the middleware knows of them.
 
         What is not ``urgent`` may wait for a tenth of a second (see ``running.spin``).
 
@@ -211,7 +245,11 @@ class DiffDriveNode(Node, Generic[Config]):
         guarded = self._guarded(topic, callback)
         if self._traffic:
             guarded = self._traffic.counted(self.resolve_topic_name(topic), guarded)
-        hear = numbering(guarded, stepped=bool(self._stepped)) if numbered else guarded
+        hear = guarded
+        if informed:
+            hear = informing(guarded)
+        elif numbered:
+            hear = numbering(guarded, stepped=bool(self._stepped))
         return self._endpoint(
             lambda message_type, topic, profile, **options: self.create_subscription(
                 message_type, topic, hear, profile, raw=raw, **options),
@@ -328,12 +366,14 @@ class DiffDriveNode(Node, Generic[Config]):
             self._reporter = Reporter(
                 self.get_fully_qualified_name(), self.get_namespace().strip('/') or HARDWARE,
                 self.publisher(DiagnosticArray, TOPIC))
-            self.every(rate, self._report)
+            self.steadily(rate, self._report)
 
     def _report(self) -> None:
         """Publish how the node is."""
         look = self._reporter.look(self.now_ns(), self.sent)
         values, troubles = self.diagnosis(look)
+        if self._clock_watch and self.time_clock.ros_time_is_active:
+            troubles = [*self._clock_watch.troubles(), *troubles]
         self._reporter.report(look.now_ns, Diagnosis(
             {**values, 'refused': self.counts['refused'],
              'clock steps': self.counts['clock steps']}, troubles))

@@ -19,7 +19,7 @@ from typing import Any, Callable, Mapping, Optional
 
 from rclpy.subscription import Subscription
 
-__all__ = ['Poll', 'QUEUE_DEPTH', 'numbering']
+__all__ = ['Poll', 'QUEUE_DEPTH', 'informing', 'numbering']
 
 LEAST_RATE = 20.0  # [Hz]
 QUEUE_DEPTH = 100  # at LEAST_RATE: 2000 messages a second
@@ -30,22 +30,29 @@ def _number_in(told: Mapping[str, Any]) -> int:
     return told['publication_sequence_number'] or 0
 
 
+def informing(callback: Callable[[Any, Mapping[str, Any]], None]) -> Callable[..., None]:
+    """
+    Return what an executor calls back; the callback also gets what the middleware tells.
+
+    EventsExecutor hands on message and information as one argument, other executors as two.
+    """
+    def hear(*taken: Any) -> None:
+        message, told = taken if len(taken) == 2 else taken[0]
+        callback(message, told)
+
+    hear.__signature__ = inspect.signature(_both)  # type: ignore[attr-defined]
+    return hear
+
+
 def numbering(callback: Callable[[Any, int], None], *, stepped: bool) -> Callable[..., None]:
     """
     Return what an executor calls back with a message, and the callback gets its number as well.
 
-    The number is 0 where time is ``stepped``, as it is the same in every run.  EventsExecutor
-    hands on message and information as one argument, other executors as two.
+    The number is 0 where time is ``stepped``, as it is the same in every run.
     """
     if stepped:
         return lambda message: callback(message, 0)
-
-    def hear(*taken: Any) -> None:
-        message, told = taken if len(taken) == 2 else taken[0]
-        callback(message, _number_in(told))
-
-    hear.__signature__ = inspect.signature(_both)  # type: ignore[attr-defined]
-    return hear
+    return informing(lambda message, told: callback(message, _number_in(told)))
 
 
 def _both(message: Any, told: Mapping[str, Any]) -> None:

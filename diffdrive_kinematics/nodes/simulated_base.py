@@ -30,7 +30,7 @@ from diffdrive_kinematics.core.measured_wheels import MeasuredWheels
 from diffdrive_kinematics.core.rate_window import RateWindow
 from diffdrive_kinematics.core.wheel_motion import Pair, timeout_from_seconds, Verdict
 from diffdrive_kinematics.nodes.diagnostics import (
-    Diagnosis, heard_values, Look, silence, slowness, stamp_values)
+    Diagnosis, heard_values, Look, quiet, slowness, stamp_values, unheard)
 from diffdrive_kinematics.nodes.driver_watch import DriverWatch
 from diffdrive_kinematics.nodes.from_values import check_sides, check_wiring, wheel_geometry
 from diffdrive_kinematics.nodes.messages import (
@@ -160,6 +160,8 @@ class SimulatedBase(DiffDriveNode[Config]):
 
     def _on_wheels(self, message: bytes, received_ns: int, number: int) -> None:
         now_ns = self._synchronised_now()
+        if not now_ns and self.waits_for_clock():
+            return
         now_ns = min(now_ns, received_ns or now_ns)
         sample = self._reader.read(message, lambda: now_ns, number)
         if sample is None:
@@ -246,6 +248,7 @@ class SimulatedBase(DiffDriveNode[Config]):
     def diagnosis(self, look: Look) -> Diagnosis:
         """Return how wheel motion comes in and odometry goes out."""
         values = self.config.values
+        topic = self.resolve_topic_name(values['wheel_motion_topic'])
         return Diagnosis({
             **heard_values(self.heard, look.now_ns, 'wheel motion'),
             'achieved odometry rate [Hz]': look.rate, **stamp_values(self.counts),
@@ -254,9 +257,15 @@ class SimulatedBase(DiffDriveNode[Config]):
             'largest now - stamp [s]': self.heard.largest_skew_ns / 1e9,
             **self._wheel_watch.values(), **self._driver.values(self._odometry)}, [
                 *self._wheel_watch.troubles(), *self._driver.troubles(),
-                *silence(self.heard, look.now_ns, values['command_timeout'],
-                         self.resolve_topic_name(values['wheel_motion_topic'])),
+                *unheard(self.heard, topic),
+                *quiet(self.heard, look.now_ns, values['command_timeout'], topic,
+                       at_rest=self._motion_at_rest()),
                 *slowness(look, values['publish_rate'])])
+
+    def _motion_at_rest(self) -> bool:
+        """Return whether the wheels were at rest when they were heard last."""
+        motion = self._odometry.motion
+        return motion is not None and motion.rates == (0.0, 0.0)
 
     def _updated_now(self) -> int:
         """Return the time, after all wheel motion that has come up to then."""

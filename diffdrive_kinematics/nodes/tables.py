@@ -28,10 +28,11 @@ from diffdrive_kinematics.core.checks import (
 from diffdrive_kinematics.core.distributions import DISTRIBUTIONS
 from diffdrive_kinematics.nodes.entries import (
     check_bias, check_concentration, check_count, check_description, check_diagonal,
-    check_distribution, check_frame, check_horizon, check_joint_names, check_named, check_one_of,
-    check_optional_picture, check_optional_seed, check_picture, check_pose, check_positive_or_nan,
-    check_prefix, check_range, check_rate_or_off, check_resolution, check_seed, check_slip_model,
-    check_stages, check_step, check_wheel_base, check_width, check_window, Entry, Kind, string,
+    check_distribution, check_frame, check_horizon, check_joint_names, check_named, check_offset,
+    check_one_of, check_optional_picture, check_optional_seed, check_picture, check_pose,
+    check_positive_or_nan, check_prefix, check_range, check_rate_or_off, check_resolution,
+    check_seed, check_slip_model, check_stages, check_step, check_wheel_base, check_width,
+    check_window, Entry, Kind, string,
     topic)
 
 __all__ = [
@@ -125,6 +126,9 @@ def _axis_entries() -> Tuple[Entry, ...]:
 DIFF_DRIVE_CONTROLLER = (
     *_GEOMETRY, *_JOINTS,
     topic('cmd_vel_topic', 'cmd_vel', 'velocity commands in'),
+    topic('emergency_stop_topic', '', 'Bool in, latched or not; true: wheels at rest at once, and '
+          'no command is obeyed until it is false; empty: only ~/stop and ~/resume are there',
+          optional=True),
     topic('wheel_rates_topic', 'wheel_rates', 'wheel rates out, JointState'),
     topic('wheel_commands_topic', '', 'wheel rates out as Float64MultiArray, left wheels then '
           'right wheels, for a ros2_control velocity controller; empty: off', optional=True),
@@ -135,8 +139,11 @@ DIFF_DRIVE_CONTROLLER = (
           read_only=True),
     Entry('stamp_tolerance', 0.0, 'how old [s] the stamp of a command may be to be handed on to '
           'the wheel rates; older: the time of arrival', check=check_duration),
-    Entry('cmd_vel_timeout', 0.5, 'age [s] at which a command ends and the drive brakes; 0: '
-          'never', check=check_duration),
+    Entry('cmd_vel_timeout', 0.5, 'age [s] at which a command ends and the drive brakes, and at '
+          'which one that comes is refused as old; 0: never', check=check_duration),
+    Entry('cmd_vel_clock_offset', 0.0, 'what the clock of the controller shows less what that of '
+          'the stamps of commands shows [s]; NaN: unknown, stamps do not count',
+          check=check_offset),
     Entry('publish_rate', 50.0, 'rate [Hz] at which the wheel rates are repeated and ramps step',
           check=check_rate),
     Entry('max_wheel_rate', math.nan, 'bound [rad/s] of all wheels; beyond it both sides are '

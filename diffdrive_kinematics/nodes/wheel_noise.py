@@ -20,7 +20,7 @@ from typing import Any, Mapping
 from diffdrive_kinematics.core.slip_stream import SlipStream
 from diffdrive_kinematics.core.wheel_motion import timeout_from_seconds
 from diffdrive_kinematics.nodes.diagnostics import (
-    Diagnosis, heard_values, Look, silence, stamp_values)
+    Diagnosis, heard_values, Look, quiet, stamp_values, unheard)
 from diffdrive_kinematics.nodes.from_values import (
     check_sides, check_wiring, wheel_radii, wheel_slips)
 from diffdrive_kinematics.nodes.node import DiffDriveNode
@@ -69,6 +69,8 @@ class WheelNoise(DiffDriveNode[Config]):
         self.parameters.on_change(self._configure)
 
     def _on_wheels(self, message: bytes, number: int) -> None:
+        if self.waits_for_clock():
+            return
         sample = self._reader.read(message, self.now_ns, number)
         if sample is None:
             return
@@ -81,13 +83,14 @@ class WheelNoise(DiffDriveNode[Config]):
 
     def diagnosis(self, look: Look) -> Diagnosis:
         """Return how wheel motion passes through."""
-        values = self.config.values
+        values, motion = self.config.values, self._stream.motion
+        topic = self.resolve_topic_name(values['input_topic'])
         return Diagnosis({
             **heard_values(self.heard, look.now_ns, 'wheel motion'), 'sent': self.sent,
             **stamp_values(self.counts), **self._wheel_watch.values()}, [
-                *self._wheel_watch.troubles(),
-                *silence(self.heard, look.now_ns, values['command_timeout'],
-                         self.resolve_topic_name(values['input_topic']))])
+                *self._wheel_watch.troubles(), *unheard(self.heard, topic),
+                *quiet(self.heard, look.now_ns, values['command_timeout'], topic,
+                       at_rest=motion is not None and motion.rates == (0.0, 0.0))])
 
     def _configure(self, config: Config) -> None:
         new = config.stream
