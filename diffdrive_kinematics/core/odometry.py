@@ -461,8 +461,8 @@ class Odometry(NamedTuple):
         """
         Return the covariance of the pose at a time, in the fixed frame (the axes of x and y).
 
-        It is what the slip of the wheels has made of an exactly known start, to first order; for the
-        equations see :mod:`diffdrive_kinematics.core.covariance`.
+        It is what the slip of the wheels has made of an exactly known start, to first order.  The
+        equations stand in :mod:`diffdrive_kinematics.core.covariance`.
 
         Parameters
         ----------
