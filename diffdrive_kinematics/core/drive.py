@@ -40,7 +40,21 @@ NANOSECONDS = 1e9
 
 
 class Twist(NamedTuple):
-    """Forward speed v [m/s] and yaw rate w [rad/s]."""
+    """
+    A twist of the robot.
+
+    Parameters
+    ----------
+    v : float
+        Forward speed [m/s].
+    w : float
+        Yaw rate [rad/s], counter-clockwise positive.
+
+    Examples
+    --------
+    See :class:`Drive`.
+
+    """
 
     v: float
     w: float
@@ -71,6 +85,13 @@ class DriveSettings:
     ------
     ValueError
         If a value is out of its range.
+
+    Examples
+    --------
+    >>> settings = DriveSettings(
+    ...     WheelGeometry(0.5, 0.125), AxisLimits(max_acceleration=1.0), publish_rate=100.0)
+    >>> settings.ramps, settings.period_ns, settings.wheel_bound
+    (True, 10000000, None)
 
     """
 
@@ -106,7 +127,26 @@ class DriveSettings:
 
 
 class DriveTelling(NamedTuple):
-    """What to tell at ``stamp_ns``: wheel rates [rad/s], angles [rad], (left, right), twist."""
+    """
+    What to tell at a time.
+
+    Parameters
+    ----------
+    stamp_ns : int
+        The time [ns].
+    rates : pair of float
+        Wheel rates (left, right) [rad/s] from then on.
+    angles : pair of float
+        Angles (left, right) [rad] commanded up to then.
+    twist : Twist
+        What the rates amount to.
+
+    Examples
+    --------
+    >>> DriveTelling(0, rates=(4.0, 4.0), angles=(0.0, 0.0), twist=Twist(0.5, 0.0)).twist.v
+    0.5
+
+    """
 
     stamp_ns: int
     rates: Tuple[float, float]
@@ -123,7 +163,7 @@ class Drive(NamedTuple):
     settings : DriveSettings
         Geometry and limits.
     since_ns : int
-        Time of the last change of the rates.
+        Time of the last change of the rates [ns].
     target : Twist
         What was asked for.
     twist, before : Twist
@@ -133,13 +173,27 @@ class Drive(NamedTuple):
     left, right : RunningSum
         Angle [rad] commanded up to ``since_ns``.
     deadline_ns : int or None
-        When the command ends; None: it does not, or has.
+        When the command ends [ns]; None: it does not, or has.
     step_ns : int or None
-        Time of the ramp's next step; None: the twist is settled.
+        Time of the ramp's next step [ns]; None: the twist is settled.
     saturated, limited : int
         How many commands or steps the wheel rate bound, or a limit, has cut.
     timeouts : int
         How many commands to move have ended because no other came.
+
+    Examples
+    --------
+    A command holds for half a second, as no other comes:
+
+    >>> settings = DriveSettings(WheelGeometry(0.5, 0.125), cmd_vel_timeout=0.5)
+    >>> drive, changes = Drive(settings, since_ns=0).commanded(Twist(0.5, 1.0), 1_000_000_000)
+    >>> changes[0].stamp_ns, changes[0].rates
+    (1000000000, (2.0, 6.0))
+    >>> drive.told(1_250_000_000).angles
+    (0.5, 1.5)
+    >>> drive, changes = drive.advanced(2_000_000_000)
+    >>> changes[0].stamp_ns, changes[0].rates, changes[0].angles
+    (1500000000, (0.0, 0.0), (1.0, 3.0))
 
     """
 
@@ -164,10 +218,28 @@ class Drive(NamedTuple):
         The change is never before the last one: at its time or later by 1 ns.  While a ramp is
         under way a command only moves the target, and the ramp's next step heads for it.
 
+        Parameters
+        ----------
+        target : Twist
+            What is asked for.
+        stamp_ns : int
+            Time of the command [ns].
+
+        Returns
+        -------
+        drive : Drive
+            The drive after the command.
+        changes : list of DriveTelling
+            The changes on the way, in order of time.
+
         Raises
         ------
         ValueError
             If the twist or its wheel rates are not finite or absurdly large.
+
+        Examples
+        --------
+        See :class:`Drive`.
 
         """
         rates = wheel_rates_from_twist(self.settings.geometry, *target)
@@ -185,7 +257,26 @@ class Drive(NamedTuple):
         return drive, changes
 
     def advanced(self, now_ns: int) -> Tuple['Drive', List[DriveTelling]]:
-        """Return the drive at ``now_ns`` and the changes due until then, ramps and watchdog."""
+        """
+        Return the drive at a time and the changes due until then, ramps and watchdog.
+
+        Parameters
+        ----------
+        now_ns : int
+            The time [ns].
+
+        Returns
+        -------
+        drive : Drive
+            The drive at the time.
+        changes : list of DriveTelling
+            The changes on the way, in order of time.
+
+        Examples
+        --------
+        See :class:`Drive`.
+
+        """
         drive: Drive = self
         changes: List[DriveTelling] = []
         while True:
@@ -202,14 +293,58 @@ class Drive(NamedTuple):
             changes += change
 
     def told(self, now_ns: int) -> DriveTelling:
-        """Return what holds at ``now_ns`` (at the last change where that is later)."""
+        """
+        Return what holds at a time (at the last change where that is later).
+
+        Parameters
+        ----------
+        now_ns : int
+            The time [ns].
+
+        Returns
+        -------
+        DriveTelling
+            Wheel rates, angles and twist.
+
+        Examples
+        --------
+        See :class:`Drive`.
+
+        """
         stamp = max(now_ns, self.since_ns)
         left, right = self._angles(stamp)
         return DriveTelling(stamp, self.rates, (left.value, right.value), self.twist)
 
     def configured(
             self, settings: DriveSettings, now_ns: int) -> Tuple['Drive', List[DriveTelling]]:
-        """Return the drive under new settings from ``now_ns`` on: the same target anew."""
+        """
+        Return the drive under new settings from ``now_ns`` on: the same target anew.
+
+        Parameters
+        ----------
+        settings : DriveSettings
+            The new settings.
+        now_ns : int
+            Time from which they hold [ns].
+
+        Returns
+        -------
+        drive : Drive
+            The drive under them.
+        changes : list of DriveTelling
+            The changes on the way, in order of time.
+
+        Examples
+        --------
+        Wheels of twice the size turn half as fast:
+
+        >>> small = DriveSettings(WheelGeometry(0.5, wheel_radius=0.125))
+        >>> large = DriveSettings(WheelGeometry(0.5, wheel_radius=0.25))
+        >>> drive, _ = Drive(small, since_ns=0).commanded(Twist(0.5, 0.0), 1_000_000_000)
+        >>> drive.rates, drive.configured(large, now_ns=1_250_000_000)[0].rates
+        ((4.0, 4.0), (2.0, 2.0))
+
+        """
         drive, changes = self.advanced(now_ns)
         drive = drive._replace(settings=settings)
         if drive.step_ns is not None and settings.period_ns != self.settings.period_ns:
@@ -224,7 +359,28 @@ class Drive(NamedTuple):
         return drive, changes
 
     def halted(self, now_ns: int) -> 'Drive':
-        """Return the drive with its wheels at rest from ``now_ns`` on, whatever the limits."""
+        """
+        Return the drive with its wheels at rest from ``now_ns`` on, whatever the limits.
+
+        Parameters
+        ----------
+        now_ns : int
+            Time from which they rest [ns].
+
+        Returns
+        -------
+        Drive
+            The drive without a target; its angles and counts go on.
+
+        Examples
+        --------
+        >>> drive = Drive(DriveSettings(WheelGeometry(0.5, 0.125)), since_ns=0)
+        >>> drive, _ = drive.commanded(Twist(0.5, 0.0), 1_000_000_000)
+        >>> telling = drive.halted(1_250_000_000).told(1_500_000_000)
+        >>> telling.rates, telling.angles
+        ((0.0, 0.0), (1.0, 1.0))
+
+        """
         stamp = max(now_ns, self.since_ns + 1)
         left, right = self._angles(stamp)
         return Drive(
@@ -232,7 +388,25 @@ class Drive(NamedTuple):
             limited=self.limited, timeouts=self.timeouts)
 
     def clock_stepped(self, step_ns: int) -> 'Drive':
-        """Return the drive as it reads after the clock itself was stepped."""
+        """
+        Return the drive as it reads after the clock itself was stepped.
+
+        Parameters
+        ----------
+        step_ns : int
+            By how much the clock was stepped [ns].
+
+        Returns
+        -------
+        Drive
+            The drive with its times moved.
+
+        Examples
+        --------
+        >>> Drive(DriveSettings(WheelGeometry(0.5, 0.125)), since_ns=5).clock_stepped(-2).since_ns
+        3
+
+        """
         return self._replace(
             since_ns=self.since_ns + step_ns,
             deadline_ns=None if self.deadline_ns is None else self.deadline_ns + step_ns,

@@ -43,13 +43,29 @@ def eased(
     Parameters
     ----------
     target, current, before : float
-        Velocities: asked for, now and a step ago.
+        Velocities asked for, now and a step ago [m/s or rad/s].
     dt : float
         The step [s].
     rise, fall : float
-        Largest growth and fall of the acceleration per second; infinite where not limited.
+        Largest growth and fall of the acceleration per second [m/s^3 or rad/s^3]; infinite where
+        not limited.
     up, down : float
-        Largest acceleration while the velocity is positive and while it is negative.
+        Largest acceleration while the velocity is positive and while it is negative [m/s^2 or
+        rad/s^2].
+
+    Returns
+    -------
+    float
+        Velocity [m/s or rad/s], from ``current`` to ``target``.
+
+    Examples
+    --------
+    >>> way = [0.0, 0.0]
+    >>> while way[-1] < 2.0:
+    ...     way.append(eased(2.0, current=way[-1], before=way[-2], dt=0.5, rise=2.0, fall=2.0,
+    ...                      up=math.inf, down=math.inf))
+    >>> way
+    [0.0, 0.0, 0.5, 1.5, 2.0]
 
     """
     distance = target - current
@@ -75,14 +91,25 @@ def largest_change(
     Parameters
     ----------
     distance : float
-        How far off the velocity is at which the change has to have fallen; not negative.
+        How far off the velocity is at which the change has to have fallen [m/s or rad/s]; not
+        negative.
     fall : float
-        By how much a change may be less than the one before it; above 0.
+        By how much a change may be less than the one before it [m/s or rad/s]; above 0.
     last : float
-        The change that is allowed there.
+        The change that is allowed there [m/s or rad/s].
     share : float
-        1 - last / (the change allowed before); a step that gets there with time to spare makes
-        a change in between.
+        1 - last / (the change allowed before) [1]; a step that gets there with time to spare
+        makes a change in between.
+
+    Returns
+    -------
+    float
+        Change c [m/s or rad/s].
+
+    Examples
+    --------
+    >>> largest_change(1.5, fall=0.5)  # 1.0 + 0.5 = 1.5
+    1.0
 
     """
     base = last + 0.5 * fall

@@ -56,6 +56,19 @@ class MeasuredWheels(NamedTuple):
     lead : pair of float
         By how much [rad] the angles at the last message are ahead of the positions.
 
+    Examples
+    --------
+    A driver that tells positions only, four times a second:
+
+    >>> wheels = MeasuredWheels().begun(0, (0.0, 0.0), None)
+    >>> for number in (1, 2, 3):
+    ...     wheels = wheels.followed(
+    ...         250_000_000 * number, (0.5 * number, 1.0 * number), None, ahead=(0.0, 0.0))
+    >>> wheels.rates, wheels.held_rates(), wheels.told_rates()
+    ((2.0, 4.0), (2.0, 4.0), (2.0, 4.0))
+    >>> wheels.reach_ns(timeout_ns=None), wheels.reach_ns(timeout_ns=500_000_000)
+    (750000000, 500000000)
+
     """
 
     extrapolates: bool = True
@@ -70,7 +83,28 @@ class MeasuredWheels(NamedTuple):
 
     def begun(
             self, time_ns: int, angles: Pair, velocities: Optional[Pair]) -> 'MeasuredWheels':
-        """Return what a first message says, or one after a step of its clock."""
+        """
+        Return what a first message says, or one after a step of its clock.
+
+        Parameters
+        ----------
+        time_ns : int
+            Its stamp [ns].
+        angles : pair of float
+            Rolled so far, as the positions say [rad].
+        velocities : pair of float or None
+            The driver's velocities [rad/s].
+
+        Returns
+        -------
+        MeasuredWheels
+            What is known then; velocities that were believed still are.
+
+        Examples
+        --------
+        See :class:`MeasuredWheels`.
+
+        """
         return self._replace(
             window=self.window.begun(time_ns, angles), lead=ZERO,
             check=self.check._replace(rates=velocities))
@@ -87,10 +121,19 @@ class MeasuredWheels(NamedTuple):
             Its stamp [ns].
         angles : pair of float
             Rolled so far, as the positions say [rad].
-        velocities : pair of float, optional
+        velocities : pair of float or None
             The driver's velocities [rad/s].
         ahead : pair of float
             By how much [rad] the angles that were told until it came are ahead of that.
+
+        Returns
+        -------
+        MeasuredWheels
+            What is known then; a message that is not later changes nothing.
+
+        Examples
+        --------
+        See :class:`MeasuredWheels`.
 
         """
         if not self.window.groups:
@@ -107,7 +150,19 @@ class MeasuredWheels(NamedTuple):
         return MeasuredWheels(self.extrapolates, window, check, lead)
 
     def held_rates(self) -> Optional[Pair]:
-        """Return the rates [rad/s] by which angles go on until the next message; None: by none."""
+        """
+        Return the rates by which angles go on until the next message.
+
+        Returns
+        -------
+        pair of float or None
+            Rates (left, right) [rad/s]; None: they do not go on.
+
+        Examples
+        --------
+        See :class:`MeasuredWheels`.
+
+        """
         if self._bridged():
             return self.check.rates
         if not self.extrapolates:
@@ -116,12 +171,41 @@ class MeasuredWheels(NamedTuple):
         return left if abs(left_run) >= STEADY else 0.0, right if abs(right_run) >= STEADY else 0.0
 
     def told_rates(self) -> Pair:
-        """Return the rates [rad/s] to go by where the next message has no positions."""
+        """
+        Return the rates to go by where the next message has no positions.
+
+        Returns
+        -------
+        pair of float
+            Rates (left, right) [rad/s].
+
+        Examples
+        --------
+        See :class:`MeasuredWheels`.
+
+        """
         check = self.check
         return self.window.rates if check.against or check.rates is None else check.rates
 
     def reach_ns(self, timeout_ns: Optional[int]) -> Optional[int]:
-        """Return for how long [ns] angles go on after a message, for a timeout [ns]."""
+        """
+        Return for how long angles go on after a message.
+
+        Parameters
+        ----------
+        timeout_ns : int or None
+            Silence after which the wheels stop [ns]; None: they do not.
+
+        Returns
+        -------
+        int or None
+            The time [ns]; None: there is no end.
+
+        Examples
+        --------
+        See :class:`MeasuredWheels`.
+
+        """
         if self._bridged():
             return timeout_ns
         reach_ns = REACH * self.window.usual_ns
@@ -132,15 +216,70 @@ class MeasuredWheels(NamedTuple):
         return self.check.believed and self.check.rates is not None
 
     def led(self, angle: Pair) -> Pair:
-        """Return an angle [rad] since the last message that does not go back behind the lead."""
+        """
+        Return an angle since the last message that does not go back behind the lead.
+
+        Parameters
+        ----------
+        angle : pair of float
+            Rolled since the last message [rad].
+
+        Returns
+        -------
+        pair of float
+            The angle [rad], or the lead where that is farther.
+
+        Examples
+        --------
+        >>> MeasuredWheels(lead=(0.25, 0.0)).led((0.125, 0.125))
+        (0.25, 0.125)
+
+        """
         return _behind(angle[0], self.lead[0]), _behind(angle[1], self.lead[1])
 
     def rested(self, by: Pair) -> 'MeasuredWheels':
-        """Return what is known of wheels that count as standing, and angles moved [rad]."""
+        """
+        Return what is known of wheels that count as standing, and angles moved.
+
+        Parameters
+        ----------
+        by : pair of float
+            By how much the angles are moved [rad].
+
+        Returns
+        -------
+        MeasuredWheels
+            What is known, with rates of 0 until the next message.
+
+        Examples
+        --------
+        >>> wheels = MeasuredWheels().begun(0, (7.0, 8.0), None).rested((-7.0, -8.0))
+        >>> wheels.window.groups
+        ((0, 0.0, 0.0),)
+
+        """
         return self._replace(window=self.window.rested(by), lead=ZERO)
 
     def clock_stepped(self, step_ns: int) -> 'MeasuredWheels':
-        """Return what is known as it reads after the clock itself was stepped."""
+        """
+        Return what is known as it reads after the clock itself was stepped.
+
+        Parameters
+        ----------
+        step_ns : int
+            By how much the clock was stepped [ns].
+
+        Returns
+        -------
+        MeasuredWheels
+            What is known, with its times moved.
+
+        Examples
+        --------
+        >>> MeasuredWheels().begun(5, (7.0, 8.0), None).clock_stepped(-2).window.begun_ns
+        3
+
+        """
         return self._replace(window=self.window.shifted(step_ns))
 
 

@@ -50,8 +50,23 @@ class BaseReading(NamedTuple):
     """
     The base at one time.
 
-    Pose (theta in (-pi, pi]) [m, rad], twist (v, w) [m/s, rad/s] in the robot's frame, wheel
-    angles rolled since the start [rad], and wheel rates [rad/s]; pairs are (left, right).
+    Parameters
+    ----------
+    pose : Pose
+        Where it is [m, m, rad]; theta in (-pi, pi].
+    twist : pair of float
+        Forward speed v [m/s] and yaw rate w [rad/s].
+    angles : pair of float
+        Wheel angles (left, right) rolled since the start [rad].
+    rates : pair of float
+        Wheel rates (left, right) [rad/s].
+
+    Examples
+    --------
+    >>> reading = BaseReading(Pose(1.0, 0.0, 0.0), (0.5, 0.0), angles=(8.0, 8.0), rates=(4.0, 4.0))
+    >>> reading.pose.x
+    1.0
+
     """
 
     pose: Pose
@@ -77,8 +92,7 @@ class Odometry(NamedTuple):
     motion : WheelMotion or None
         What the wheels do since the anchor; None until the first sample.
     slip_variances : pair of float
-        k (left, right) [m], the variance of a wheel's travel per metre; 0: the wheels do not
-        slip.
+        Variances k (left, right) [m] of a wheel's travel per metre; 0: the wheels do not slip.
     covariance : PoseCovariance
         Of the pose at the anchor, in the fixed frame.
     max_rate : float
@@ -90,6 +104,17 @@ class Odometry(NamedTuple):
         What a driver of somebody else says of the wheels; None: this package's own publishers.
     unmeasured : MeasuredWheels
         What that starts from.
+
+    Examples
+    --------
+    Wheels of radius 0.125 m that turn at 4 rad/s cover 0.5 m/s:
+
+    >>> odometry = Odometry.starting_at(
+    ...     Pose(1.0, 0.0, 0.0), geometry=WheelGeometry(0.5, 0.125), timeout_ns=None)
+    >>> odometry, verdict = odometry.received(WheelSample(0, rates=(4.0, 4.0)), now_ns=0)
+    >>> reading = odometry.at(2_000_000_000)
+    >>> reading.pose, reading.twist, reading.angles
+    (Pose(x=2.0, y=0.0, theta=0.0), (0.5, 0.0), (8.0, 8.0))
 
     """
 
@@ -114,12 +139,34 @@ class Odometry(NamedTuple):
             slip_variances: Pair = NO_SLIP, covariance: PoseCovariance = NO_COVARIANCE
     ) -> 'Odometry':
         """
-        Return the odometry of a base that stands at ``pose`` (scalars) with wheel angles 0.
+        Return the odometry of a base that stands at a pose with wheel angles 0.
+
+        Parameters
+        ----------
+        pose : Pose
+            Where it stands; scalars.
+        geometry : WheelGeometry
+            Size and spacing of the wheels.
+        timeout_ns : int or None
+            Silence [ns] after which the wheels stop; None = never.
+        slip_variances : pair of float
+            Variances k (left, right) [m] of a wheel's travel per metre.
+        covariance : PoseCovariance
+            Of the pose, in the fixed frame.
+
+        Returns
+        -------
+        Odometry
+            The odometry before its first sample.
 
         Raises
         ------
         ValueError
             If a coordinate is not finite, or a slip variance is not or is below 0.
+
+        Examples
+        --------
+        See :class:`Odometry`.
 
         """
         _check_slip(slip_variances)
@@ -134,10 +181,28 @@ class Odometry(NamedTuple):
         """
         Return the odometry after a sample, and what became of the sample.
 
+        Parameters
+        ----------
+        sample : WheelSample
+            What was heard of the wheels.
+        now_ns : int
+            When it was heard [ns], on the own clock.
+
+        Returns
+        -------
+        odometry : Odometry
+            The odometry after it.
+        verdict : Verdict
+            What became of it.
+
         Raises
         ------
         ValueError
             If the sample amounts to an absurd speed or travel of this geometry.
+
+        Examples
+        --------
+        See :class:`Odometry`.
 
         """
         if sample.positions is not None and not is_run(sample.source):
@@ -210,12 +275,37 @@ class Odometry(NamedTuple):
         """
         Return the odometry with what was rolled so far kept and new settings from now on.
 
-        ``slip_variances`` None leaves them as they are.
+        Parameters
+        ----------
+        geometry : WheelGeometry
+            Size and spacing of the wheels.
+        timeout_ns : int or None
+            Silence [ns] after which the wheels stop; None = never.
+        now_ns : int
+            Time from which the settings hold [ns], on the own clock.
+        slip_variances : pair of float or None
+            Variances k (left, right) [m] of a wheel's travel per metre; None: as they are.
+
+        Returns
+        -------
+        Odometry
+            The odometry under them.
 
         Raises
         ------
         ValueError
             If a slip variance is not finite or is below 0.
+
+        Examples
+        --------
+        A second at 0.5 m/s, and another with wheels of twice the size:
+
+        >>> odometry = Odometry(WheelGeometry(0.5, wheel_radius=0.125), timeout_ns=None)
+        >>> odometry, _ = odometry.received(WheelSample(0, rates=(4.0, 4.0)), now_ns=0)
+        >>> odometry = odometry.configured(
+        ...     WheelGeometry(0.5, wheel_radius=0.25), timeout_ns=None, now_ns=1_000_000_000)
+        >>> odometry.at(2_000_000_000).pose.x
+        1.5
 
         """
         slip = _check_slip(self.slip_variances if slip_variances is None else slip_variances)
@@ -237,15 +327,40 @@ class Odometry(NamedTuple):
             self, pose: Pose, covariance: PoseCovariance, now_ns: int, *,
             keep_angles: bool = True) -> 'Odometry':
         """
-        Return the odometry of a base that was put at ``pose`` (scalars), where it stands.
+        Return the odometry of a base that was put at a pose, where it stands.
 
         It stands until the next sample.  Positions count on from where they are now: what the
-        wheels rolled before moves nothing.  Without ``keep_angles`` the wheel angles are 0.
+        wheels rolled before moves nothing.
+
+        Parameters
+        ----------
+        pose : Pose
+            Where it was put; scalars.
+        covariance : PoseCovariance
+            Of the pose, in the fixed frame.
+        now_ns : int
+            When it was put there [ns], on the own clock.
+        keep_angles : bool
+            Whether the wheel angles stay what they are, rather than 0.
+
+        Returns
+        -------
+        Odometry
+            The odometry of the base there.
 
         Raises
         ------
         ValueError
             If a coordinate is not finite.
+
+        Examples
+        --------
+        >>> odometry = Odometry(WheelGeometry(0.5, 0.125), timeout_ns=None)
+        >>> odometry, _ = odometry.received(WheelSample(0, rates=(4.0, 4.0)), now_ns=0)
+        >>> odometry = odometry.placed_at(Pose(0.0, 3.0, 0.0), NO_COVARIANCE, now_ns=1_000_000_000)
+        >>> reading = odometry.at(2_000_000_000)
+        >>> reading.pose, reading.angles
+        (Pose(x=0.0, y=3.0, theta=0.0), (4.0, 4.0))
 
         """
         for name, value in zip(('x', 'y', 'yaw'), pose):
@@ -268,7 +383,27 @@ class Odometry(NamedTuple):
             left=left, right=right, measured=self.measured and self.measured.rested(gone))
 
     def clock_stepped(self, step_ns: int) -> 'Odometry':
-        """Return the odometry as it reads after the own clock was stepped, and with it theirs."""
+        """
+        Return the odometry as it reads after the own clock was stepped, and with it theirs.
+
+        Parameters
+        ----------
+        step_ns : int
+            By how much the clock was stepped [ns].
+
+        Returns
+        -------
+        Odometry
+            The odometry with its times moved; those of a clock that is another one stay.
+
+        Examples
+        --------
+        >>> odometry = Odometry(WheelGeometry(0.5, 0.125), timeout_ns=None)
+        >>> odometry, _ = odometry.received(WheelSample(0, rates=(4.0, 4.0)), now_ns=0)
+        >>> odometry.clock_stepped(5_000_000_000).at(7_000_000_000).pose.x
+        1.0
+
+        """
         clock = self.clock.clock_stepped(step_ns)
         if self.clock.apart:  # theirs is another one
             return self._replace(clock=clock)
@@ -277,7 +412,24 @@ class Odometry(NamedTuple):
             measured=self.measured and self.measured.clock_stepped(step_ns))
 
     def at(self, time_ns: int) -> BaseReading:
-        """Return the base at a time; before the anchor that is the base at the anchor."""
+        """
+        Return the base at a time; before the anchor that is the base at the anchor.
+
+        Parameters
+        ----------
+        time_ns : int
+            The time [ns], on the own clock.
+
+        Returns
+        -------
+        BaseReading
+            Pose, twist, wheel angles and rates.
+
+        Examples
+        --------
+        See :class:`Odometry`.
+
+        """
         if self.motion is None:
             return BaseReading(self._pose(0.0, 0.0), (0.0, 0.0),
                                (self.left.value, self.right.value), (0.0, 0.0))
@@ -309,7 +461,28 @@ class Odometry(NamedTuple):
         """
         Return the covariance of the pose at a time, in the fixed frame (the axes of x and y).
 
-        It is what the slip of the wheels has made of an exactly known start, to first order.
+        It is what the slip of the wheels has made of an exactly known start, to first order.  The
+        equations stand in :mod:`diffdrive_kinematics.core.covariance`.
+
+        Parameters
+        ----------
+        time_ns : int
+            The time [ns], on the own clock.
+
+        Returns
+        -------
+        PoseCovariance
+            Of x, y and theta.
+
+        Examples
+        --------
+        After 1 m straight ahead ``Var theta = (k_l + k_r) |d| / L^2``:
+
+        >>> odometry = Odometry(WheelGeometry(0.5, 0.125), None, slip_variances=(1e-4, 1e-4))
+        >>> odometry, _ = odometry.received(WheelSample(0, rates=(4.0, 4.0)), now_ns=0)
+        >>> round(odometry.covariance_at(2_000_000_000).tt, 9)
+        0.0008
+
         """
         if self.motion is None or self._is_certain():
             return self.covariance

@@ -38,12 +38,48 @@ BLOCK = 128
 
 
 def area(polygon: Points) -> float:
-    """Return the signed area [m^2], positive where counter-clockwise."""
+    """
+    Return the signed area of a polygon.
+
+    Parameters
+    ----------
+    polygon : numpy.ndarray of complex, shape (n,)
+        Its vertices [m].
+
+    Returns
+    -------
+    float
+        Area [m^2], positive where counter-clockwise.
+
+    Examples
+    --------
+    >>> area(np.array([0.0, 2.0, 2.0 + 1.0j, 1.0j]))
+    2.0
+
+    """
     return float(0.5 * np.sum(_cross(polygon, np.roll(polygon, -1))))
 
 
 def perimeter(polygon: Points) -> float:
-    """Return the length [m] of the boundary."""
+    """
+    Return the length of the boundary of a polygon.
+
+    Parameters
+    ----------
+    polygon : numpy.ndarray of complex, shape (n,)
+        Its vertices [m].
+
+    Returns
+    -------
+    float
+        Length [m].
+
+    Examples
+    --------
+    >>> perimeter(np.array([0.0, 2.0, 2.0 + 1.0j, 1.0j]))
+    6.0
+
+    """
     return float(np.sum(np.abs(np.roll(polygon, -1) - polygon)))
 
 
@@ -56,15 +92,30 @@ def outer_boundary(points: Points, segments: Pairs) -> Points:
 
     Parameters
     ----------
-    points : array of complex, shape (p,)
-        Ends of the segments.
-    segments : array of int, shape (s, 2)
+    points : numpy.ndarray of complex, shape (p,)
+        Ends of the segments [m].
+    segments : numpy.ndarray of int, shape (s, 2)
         Indices of the ends.
+
+    Returns
+    -------
+    numpy.ndarray of complex, shape (n,)
+        Vertices [m], counter-clockwise, not closed.
 
     Raises
     ------
     RuntimeError
         If the walk does not come back in any of four attempts.
+
+    Examples
+    --------
+    A square with its diagonals, which cross:
+
+    >>> corners = np.array([0.0, 1.0, 1.0 + 1.0j, 1.0j])
+    >>> sides = np.array([[0, 1], [1, 2], [2, 3], [3, 0], [0, 2], [1, 3]])
+    >>> boundary = outer_boundary(corners, sides)
+    >>> len(boundary), round(area(boundary), 6)
+    (4, 1.0)
 
     """
     size = float(np.max(np.abs(points - points[0]))) or 1.0
@@ -86,9 +137,27 @@ def outer_boundary(points: Points, segments: Pairs) -> Points:
 
 def simplified(polygon: Points, tolerance: float) -> Points:
     """
-    Return some of the vertices, such that no other is further from its edge than ``tolerance``.
+    Return some of the vertices, such that no other is further from its edge than a tolerance.
 
     The method of Douglas & Peucker (1973) on the two halves of the boundary.
+
+    Parameters
+    ----------
+    polygon : numpy.ndarray of complex, shape (n,)
+        Vertices [m].
+    tolerance : float
+        Largest distance [m] of a vertex that is left out.
+
+    Returns
+    -------
+    numpy.ndarray of complex, shape (m,)
+        The vertices that are kept [m], in their order.
+
+    Examples
+    --------
+    >>> simplified(np.array([0.0, 1.0 + 0.01j, 2.0, 2.0 + 1.0j, 1.0j]), tolerance=0.1)
+    array([0.+0.j, 2.+0.j, 2.+1.j, 0.+1.j])
+
     """
     far = int(np.argmax(np.abs(polygon - polygon[0])))
     closed = np.append(polygon, polygon[0])

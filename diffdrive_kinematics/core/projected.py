@@ -36,8 +36,17 @@ class Projected(NamedTuple):
     """
     What was asked for; what was not is None.
 
-    ``rows``, shape (N, 7), are the samples: x, y, z [m] and the quaternion x, y, z, w.
-    ``boundary`` is (x, y) [m] of the vertices, shape (v,) each, not closed.
+    Parameters
+    ----------
+    rows : numpy.ndarray, shape (N, 7), or None
+        The samples: x, y, z [m] and the quaternion x, y, z, w [1].
+    boundary : pair of numpy.ndarray, or None
+        Coordinates x and y [m] of the vertices, shape (v,) each, counter-clockwise, not closed.
+
+    Examples
+    --------
+    See :func:`projected`.
+
     """
 
     rows: Optional[Array]
@@ -49,7 +58,7 @@ def projected(
         slips: Tuple[WheelSlip, WheelSlip], samples: int, seed: int,
         with_boundary: bool) -> Projected:
     """
-    Return where a robot may be that starts at ``pose`` (floats) and carries out commands.
+    Return where a robot may be that starts at a pose and carries out commands.
 
     Parameters
     ----------
@@ -68,10 +77,26 @@ def projected(
     with_boundary : bool
         Whether to compute the boundary of all that can be reached.
 
+    Returns
+    -------
+    Projected
+        The samples and the boundary, each None where it was not asked for.
+
     Raises
     ------
     ValueError
         If a coordinate is not finite, or the boundary of unbounded slip is asked for.
+
+    Examples
+    --------
+    >>> slip = WheelSlip(variance=1e-4, distribution='uniform')
+    >>> result = projected(
+    ...     Pose(0.0, 0.0, 0.0), [Command(0.5, 0.0, duration=2.0)],
+    ...     WheelGeometry(0.5, 0.125), (slip, slip), samples=100, seed=1, with_boundary=True)
+    >>> result.rows.shape, [len(each.shape) for each in result.boundary]
+    ((100, 7), [1, 1])
+    >>> bool(result.rows[:, 0].max() < result.boundary[0].max())
+    True
 
     """
     travels = [travel_of_command(command, geometry) for command in commands]

@@ -33,7 +33,23 @@ Pair = Tuple[float, float]
 
 
 class RampStep(NamedTuple):
-    """Forward speed [m/s], yaw rate [rad/s], and whether the wheel bound held one of them back."""
+    """
+    A step of the twist.
+
+    Parameters
+    ----------
+    v : float
+        Forward speed after it [m/s].
+    w : float
+        Yaw rate after it [rad/s].
+    held_back : bool
+        Whether the wheel bound held one of them back.
+
+    Examples
+    --------
+    See :func:`ramp_step`.
+
+    """
 
     v: float
     w: float
@@ -44,10 +60,40 @@ def ramp_step(
         goal: Pair, *, current: Pair, before: Pair, dt: float, linear: AxisLimits,
         angular: AxisLimits, bound: Optional[WheelBound]) -> RampStep:
     """
-    Return the twist ``dt`` [s] after ``current`` on the way to ``goal``.
+    Return the twist a step after ``current`` on the way to ``goal``.
 
-    ``before`` is the twist dt before ``current``; all are (v [m/s], w [rad/s]), and current and
-    goal are within the bound.  Each axis stays between where it is and its goal.
+    Each axis stays between where it is and its goal.
+
+    Parameters
+    ----------
+    goal : pair of float
+        Twist (v [m/s], w [rad/s]) to get to, within the bound.
+    current, before : pair of float
+        Twists now, within the bound, and a step ago.
+    dt : float
+        The step [s].
+    linear, angular : AxisLimits
+        Limits of v and of w.
+    bound : WheelBound or None
+        The twists that the wheels can do; None: any.
+
+    Returns
+    -------
+    RampStep
+        The twist ``dt`` after ``current``.
+
+    Examples
+    --------
+    Before the robot may turn as fast as its limits allow it has to slow down:
+
+    >>> settings = {'dt': 0.25, 'linear': AxisLimits(max_acceleration=1.0),
+    ...             'angular': AxisLimits(max_acceleration=4.0)}
+    >>> ramp_step((0.0, 2.0), current=(1.0, 0.0), before=(1.0, 0.0), bound=None, **settings)
+    RampStep(v=0.75, w=1.0, held_back=False)
+    >>> bound = WheelBound(left=1.0, right=1.0, half=0.5)
+    >>> ramp_step((0.0, 2.0), current=(1.0, 0.0), before=(1.0, 0.0), bound=bound, **settings)
+    RampStep(v=0.75, w=0.5, held_back=True)
+
     """
     (v, w), (v_goal, w_goal) = current, goal
     v_aim, w_aim = goal

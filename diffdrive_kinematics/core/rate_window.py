@@ -55,6 +55,13 @@ class RateWindow(NamedTuple):
     runs, rests : pair of int
         How many messages in a row each wheel turned, below 0: backward; or stood.
 
+    Examples
+    --------
+    >>> window = RateWindow(size=2).begun(0, (7.0, 8.0))
+    >>> window = window.followed(250_000_000, (7.25, 9.0)).followed(500_000_000, (8.0, 10.0))
+    >>> window.rates, window.runs, window.usual_ns
+    ((2.0, 4.0), (2, 2), 250000000)
+
     """
 
     size: int = 10
@@ -66,11 +73,49 @@ class RateWindow(NamedTuple):
     rests: Tuple[int, int] = (0, 0)
 
     def begun(self, time_ns: int, angles: Pair) -> 'RateWindow':
-        """Return the window that starts with a message; what interval is usual stays known."""
+        """
+        Return the window that starts with a message; what interval is usual stays known.
+
+        Parameters
+        ----------
+        time_ns : int
+            Its time [ns].
+        angles : pair of float
+            Angles of the wheels [rad].
+
+        Returns
+        -------
+        RateWindow
+            The window with one group.
+
+        Examples
+        --------
+        See :class:`RateWindow`.
+
+        """
         return RateWindow(self.size, ((time_ns, *angles),), time_ns, self.usual_ns)
 
     def followed(self, time_ns: int, angles: Pair) -> 'RateWindow':
-        """Return the window after angles [rad] at a time [ns]; an earlier one changes nothing."""
+        """
+        Return the window after one more message; an earlier one changes nothing.
+
+        Parameters
+        ----------
+        time_ns : int
+            Its time [ns].
+        angles : pair of float
+            Angles of the wheels [rad].
+
+        Returns
+        -------
+        RateWindow
+            The window up to it.
+
+        Examples
+        --------
+        See :class:`RateWindow`.
+
+        """
         groups = self.groups
         last_ns, *last = groups[-1]
         if time_ns <= last_ns:
@@ -97,12 +142,50 @@ class RateWindow(NamedTuple):
             self.size, groups, begun_ns, usual_ns, rates, (left_run, right_run), rests)
 
     def rested(self, by: Pair) -> 'RateWindow':
-        """Return the window with rates of 0 until the next message, and angles moved [rad]."""
+        """
+        Return the window with rates of 0 until the next message, and angles moved.
+
+        Parameters
+        ----------
+        by : pair of float
+            By how much the angles are moved [rad].
+
+        Returns
+        -------
+        RateWindow
+            The window of wheels that stand.
+
+        Examples
+        --------
+        >>> window = RateWindow().begun(0, (7.0, 8.0)).followed(250_000_000, (7.25, 9.0))
+        >>> window = window.rested((-7.25, -9.0))
+        >>> window.rates, window.groups[-1]
+        ((0.0, 0.0), (250000000, 0.0, 0.0))
+
+        """
         return self._replace(rates=ZERO, groups=tuple(
             (time_ns, left + by[0], right + by[1]) for time_ns, left, right in self.groups))
 
     def shifted(self, step_ns: int) -> 'RateWindow':
-        """Return the window as it reads after the clock itself was stepped by ``step_ns``."""
+        """
+        Return the window as it reads after the clock itself was stepped.
+
+        Parameters
+        ----------
+        step_ns : int
+            By how much the clock was stepped [ns].
+
+        Returns
+        -------
+        RateWindow
+            The window with its times moved.
+
+        Examples
+        --------
+        >>> RateWindow().begun(5, (7.0, 8.0)).shifted(-2).groups
+        ((3, 7.0, 8.0),)
+
+        """
         return self._replace(begun_ns=self.begun_ns + step_ns, groups=tuple(
             (time_ns + step_ns, left, right) for time_ns, left, right in self.groups))
 

@@ -38,7 +38,25 @@ HYSTERESIS = 10  # clocks that were apart agree again within one part in so many
 
 
 def tolerance_of(timeout_ns: Optional[int]) -> int:
-    """Return how far [ns] stamps may be off where silence has a timeout [ns]: half of it."""
+    """
+    Return how far stamps may be off where silence has a timeout: half of it.
+
+    Parameters
+    ----------
+    timeout_ns : int or None
+        The timeout [ns]; None: there is none.
+
+    Returns
+    -------
+    int
+        The tolerance [ns], a quarter of a second at most.
+
+    Examples
+    --------
+    >>> tolerance_of(None), tolerance_of(100_000_000)
+    (250000000, 50000000)
+
+    """
     return TOLERANCE_NS if timeout_ns is None else min(TOLERANCE_NS, timeout_ns // 2)
 
 
@@ -62,6 +80,18 @@ class SenderClock(NamedTuple):
         How many messages in a row came late, when [ns] the first did, and the least latency [ns].
     low_ns, high_ns : int
         Latencies [ns] from one to the other teach nothing; there are some where clocks agree.
+
+    Examples
+    --------
+    A clock that is 3 s ahead, less the millisecond that the message took:
+
+    >>> clock = SenderClock(tolerance_of(None)).observed(8_000_000_000, 5_001_000_000)
+    >>> clock.apart, clock.offset_ns, clock.differs
+    (True, -2999000000, False)
+    >>> clock.own_ns(9_000_000_000), clock.theirs_ns(6_001_000_000)
+    (6001000000, 9000000000)
+    >>> clock.delay_ns(9_000_000_000, 6_003_000_000)  # 2 ms more than the first one
+    2000000
 
     """
 
@@ -90,19 +120,91 @@ class SenderClock(NamedTuple):
                 and self.arrival_ns - self.since_ns >= PATIENCE_NS)
 
     def own_ns(self, stamp_ns: int) -> int:
-        """Return the time [ns] on the own clock of a stamp [ns]."""
+        """
+        Return the time on the own clock of a stamp.
+
+        Parameters
+        ----------
+        stamp_ns : int
+            The stamp [ns].
+
+        Returns
+        -------
+        int
+            The time [ns].
+
+        Examples
+        --------
+        See :class:`SenderClock`.
+
+        """
         return stamp_ns + self.offset_ns
 
     def theirs_ns(self, time_ns: int) -> int:
-        """Return the time [ns] on the sender's clock when the own clock shows ``time_ns``."""
+        """
+        Return the time on the sender's clock when the own clock shows another.
+
+        Parameters
+        ----------
+        time_ns : int
+            The time on the own clock [ns].
+
+        Returns
+        -------
+        int
+            The time on the sender's clock [ns].
+
+        Examples
+        --------
+        See :class:`SenderClock`.
+
+        """
         return time_ns - self.offset_ns
 
     def delay_ns(self, stamp_ns: int, arrival_ns: int) -> int:
-        """Return how much later [ns] than the fastest ones a message came, whatever the clock."""
+        """
+        Return how much later than the fastest ones a message came, whatever the clock.
+
+        Parameters
+        ----------
+        stamp_ns : int
+            Its stamp [ns].
+        arrival_ns : int
+            When it came [ns], on the own clock.
+
+        Returns
+        -------
+        int
+            The delay [ns].
+
+        Examples
+        --------
+        See :class:`SenderClock`.
+
+        """
         return arrival_ns - stamp_ns - (self.least_ns or 0)
 
     def observed(self, stamp_ns: int, arrival_ns: int) -> 'SenderClock':
-        """Return the clock after a message with a stamp [ns] came at a time [ns]."""
+        """
+        Return the clock after one more message.
+
+        Parameters
+        ----------
+        stamp_ns : int
+            Its stamp [ns].
+        arrival_ns : int
+            When it came [ns], on the own clock.
+
+        Returns
+        -------
+        SenderClock
+            What is known of the clock then.
+
+        Examples
+        --------
+        See :class:`SenderClock`.
+
+        """
         latency = arrival_ns - stamp_ns
         if self.low_ns <= latency <= self.high_ns:
             return self  # as nearly always
@@ -128,7 +230,27 @@ class SenderClock(NamedTuple):
             since_ns, late_least, *self._calm(apart or late > 0, least))
 
     def begun(self, stamp_ns: int, arrival_ns: int) -> 'SenderClock':
-        """Return the clock as one message alone shows it: the first, or after a step of it."""
+        """
+        Return the clock as one message alone shows it: the first, or after a step of it.
+
+        Parameters
+        ----------
+        stamp_ns : int
+            Its stamp [ns].
+        arrival_ns : int
+            When it came [ns], on the own clock.
+
+        Returns
+        -------
+        SenderClock
+            What is known of the clock then.
+
+        Examples
+        --------
+        >>> SenderClock(tolerance_of(None)).begun(8_000_000_000, 5_000_000_000).offset_ns
+        -3000000000
+
+        """
         latency = arrival_ns - stamp_ns
         apart = abs(latency) > self.tolerance_ns
         low_ns, high_ns = self._calm(apart, latency)
@@ -137,7 +259,26 @@ class SenderClock(NamedTuple):
             low_ns=low_ns, high_ns=high_ns)
 
     def clock_stepped(self, step_ns: int) -> 'SenderClock':
-        """Return the clock as it reads after the own one was stepped by ``step_ns``."""
+        """
+        Return the clock as it reads after the own one was stepped.
+
+        Parameters
+        ----------
+        step_ns : int
+            By how much the own clock was stepped [ns].
+
+        Returns
+        -------
+        SenderClock
+            The clock with its times moved; one that was the own one is so still.
+
+        Examples
+        --------
+        >>> clock = SenderClock(tolerance_of(None)).observed(8_000_000_000, 5_000_000_000)
+        >>> clock.clock_stepped(1_000_000_000).offset_ns
+        -2000000000
+
+        """
         if self.least_ns is None:
             return self
         apart_by = step_ns if self.apart else 0  # else both are the one that was stepped

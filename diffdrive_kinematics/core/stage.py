@@ -35,7 +35,23 @@ NEGLIGIBLE = 1e-8
 
 
 class Stage(NamedTuple):
-    """Mean travel [m] of the wheels in one stage, and bounds [m] of the disturbances."""
+    """
+    Mean travel of the wheels in one stage, and bounds of its disturbances.
+
+    Parameters
+    ----------
+    d_left, d_right : float
+        Mean travel of the wheels [m].
+    left_bound, right_bound : float
+        By how much [m] it may be off.
+    lateral_bound : float
+        By how much [m] the robot may be displaced sideways.
+
+    Examples
+    --------
+    See :func:`stage_from_slip`.
+
+    """
 
     d_left: float
     d_right: float
@@ -48,12 +64,35 @@ def stage_from_slip(
         d_left: float, d_right: float, geometry: WheelGeometry, left_slip: WheelSlip,
         right_slip: WheelSlip) -> Stage:
     """
-    Return the stage whose box holds every sample that ``propagate`` draws for this travel [m].
+    Return the stage whose box holds every sample that ``propagate`` draws for a travel.
+
+    Parameters
+    ----------
+    d_left, d_right : float
+        Nominal travel of the wheels [m].
+    geometry : WheelGeometry
+        Distance of the wheels.
+    left_slip, right_slip : WheelSlip
+        Bias and slip of the wheels.
+
+    Returns
+    -------
+    Stage
+        Mean travel with the bias, and the bounds of the slip.
 
     Raises
     ------
     ValueError
         If a slip that is not 0 has an unbounded distribution, or a travel is not finite.
+
+    Examples
+    --------
+    A uniform density of variance ``s^2`` ends at ``sqrt(3) s``:
+
+    >>> slip = WheelSlip(bias=0.5, variance=3e-4, distribution='uniform')
+    >>> stage = stage_from_slip(1.0, 1.0, WheelGeometry(0.5, 0.125), slip, WheelSlip())
+    >>> stage.d_left, round(stage.left_bound, 6), stage.d_right, stage.right_bound
+    (1.5, 0.03, 1.0, 0.0)
 
     """
     check_finite('d_left', d_left)
@@ -71,9 +110,29 @@ def with_pivots_joined(
     """
     Return the stages, those that follow each other about one resting wheel as one stage.
 
-    Their rotations have one centre, so angles and bounds add up.  The other number is by how much
-    [m] the end may be off, as what the resting wheel moved after all is left out: that displaces
-    the robot, and turns it in front of all that follows.
+    Their rotations have one centre, so angles and bounds add up.
+
+    Parameters
+    ----------
+    stages : sequence of Stage
+        The stages, at least one.
+    geometry : WheelGeometry
+        Distance of the wheels.
+
+    Returns
+    -------
+    joined : sequence of Stage
+        As many or fewer.
+    margin : float
+        By how much [m] the end may be off, as what the resting wheel moved after all is left
+        out: that displaces the robot, and turns it in front of all that follows.
+
+    Examples
+    --------
+    >>> stage = Stage(0.0, 0.5, 0.0, 0.125)
+    >>> with_pivots_joined([stage, stage], WheelGeometry(0.5, 0.125))
+    ([Stage(d_left=0.0, d_right=1.0, left_bound=0.0, right_bound=0.25, lateral_bound=0.0)], 0.0)
+
     """
     joined, left_out = [stages[0]], 0.0
     for stage in stages[1:]:

@@ -42,7 +42,21 @@ PERSISTENT = 3  # blocks
 
 
 class Disagreement(NamedTuple):
-    """What velocities and positions say of the same time: travel [rad] of one or both wheels."""
+    """
+    What velocities and positions say of the same time.
+
+    Parameters
+    ----------
+    side : str
+        The wheel, or ``both``: ``left``, ``right``.
+    told, rolled : float
+        Travel [rad] by the velocities and by the positions.
+
+    Examples
+    --------
+    See :class:`VelocityCheck`.
+
+    """
 
     side: str
     told: float
@@ -69,6 +83,19 @@ class VelocityCheck(NamedTuple):
     rates : pair of float or None
         The last velocities [rad/s].
 
+    Examples
+    --------
+    A driver that tells degrees for radians, in messages 1/16 s apart, and one that does not:
+
+    >>> wrong = right = VelocityCheck()
+    >>> for _ in range(50):
+    ...     wrong = wrong.followed((60.0, 60.0), increments=(0.0625, 0.0625), seconds=0.0625)
+    ...     right = right.followed((1.0, 1.0), increments=(0.0625, 0.0625), seconds=0.0625)
+    >>> wrong.believed, right.believed
+    (False, True)
+    >>> wrong.disagreement == Disagreement('both', told=112.5, rolled=1.875)
+    True
+
     """
 
     believed: bool = False
@@ -85,7 +112,28 @@ class VelocityCheck(NamedTuple):
 
     def followed(
             self, rates: Optional[Pair], increments: Pair, seconds: float) -> 'VelocityCheck':
-        """Return the check after velocities [rad/s], and what was rolled [rad] up to them."""
+        """
+        Return the check after one more message.
+
+        Parameters
+        ----------
+        rates : pair of float or None
+            Its velocities [rad/s]; None: it has none.
+        increments : pair of float
+            What was rolled [rad] since the message before.
+        seconds : float
+            Time [s] since the message before.
+
+        Returns
+        -------
+        VelocityCheck
+            What is known then.
+
+        Examples
+        --------
+        See :class:`VelocityCheck`.
+
+        """
         before = self.rates
         if rates is None or before is None:
             return self._replace(rates=rates)
