@@ -30,7 +30,7 @@ from diffdrive_kinematics.nodes.last_word import repeat_until_heard
 from diffdrive_kinematics.nodes.overrides import given_overrides
 from diffdrive_kinematics.nodes.parameters import ConfigurationError, ParameterSet
 from diffdrive_kinematics.nodes.polling import (
-    numbering, Poll, QUEUE_DEPTH as POLLED_QUEUE_DEPTH)
+    informing, numbering, Poll, QUEUE_DEPTH as POLLED_QUEUE_DEPTH)
 from diffdrive_kinematics.nodes.qos import (
     check_delivery, Override, overrides_from, overriding_options, reliable)
 from diffdrive_kinematics.nodes.refusals import checked_clock, refusal
