@@ -166,8 +166,7 @@ class DiffDriveNode(Node, Generic[Config]):
 
     def waits_for_clock(self) -> bool:
         """Return whether the node is on simulated time that has not begun: nothing may move."""
-        return (not self._stepped and self.time_clock.ros_time_is_active
-                and not clock_ns(self.time_clock))
+        return self._clock_watch is not None and not clock_ns(self.time_clock)
 
     def clock_stood_s(self) -> float:
         """Return for how long [s] of steady time a simulated clock has stood; 0 for others."""

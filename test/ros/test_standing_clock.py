@@ -19,6 +19,8 @@ from geometry_msgs.msg import Twist
 from graph import KHEPERA, stamp_ns, twist
 from nav_msgs.msg import Odometry
 import pytest
+from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
+from rcl_interfaces.srv import SetParameters
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState
 
@@ -191,3 +193,27 @@ def test_a_clock_that_goes_back_to_its_begin_in_mid_drive_leaves_no_wheel_turnin
     time.go_on()
     graph.wait_for(stopped, 'the stop')
     drive(graph, time, rates, commands, SPEED)
+
+
+@pytest.mark.parametrize('limits', [{}, RAMPS], ids=['at once', 'ramps'])
+def test_a_controller_that_is_put_on_a_clock_that_has_not_begun_stops_whatever_is_commanded(
+        graph, limits):
+    controller = graph.start('diff_drive_controller', {**KHEPERA, **limits})
+    rates = graph.collect(JointState, 'wheel_rates')
+    commands = graph.publisher(Twist, 'cmd_vel')
+
+    def driving():
+        commands.publish(twist(SPEED, 0.0))
+        return rates and any(rates[-1].velocity)
+
+    graph.wait_for(driving, 'the robot to drive')
+    graph.call(SetParameters, 'diff_drive_controller/set_parameters', SetParameters.Request(
+        parameters=[Parameter(name='use_sim_time', value=ParameterValue(
+            type=ParameterType.PARAMETER_BOOL, bool_value=True))]))
+
+    def told():
+        commands.publish(twist(SPEED, 0.0))
+        return WAITING in controller.output
+
+    graph.wait_for(told, 'a report')
+    assert not any(rates[-1].velocity)
