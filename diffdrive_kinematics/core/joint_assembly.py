@@ -29,7 +29,22 @@ STEP_NS = 1_000_000_000  # back: the clock was stepped
 
 
 class JointReading(NamedTuple):
-    """What a message says of a joint: stamp [ns], position [rad], rate [rad/s]; NaN: nothing."""
+    """
+    What a message says of a joint.
+
+    Parameters
+    ----------
+    stamp_ns : int
+        When the joint was measured [ns].
+    position, rate : float
+        Of the joint [rad, rad/s]; NaN: the message does not say.
+
+    Examples
+    --------
+    >>> JointReading(10_000_000, position=1.5)
+    JointReading(stamp_ns=10000000, position=1.5, rate=nan)
+
+    """
 
     stamp_ns: int
     position: float = math.nan
@@ -37,7 +52,22 @@ class JointReading(NamedTuple):
 
 
 class Assembled(NamedTuple):
-    """All joints at one time."""
+    """
+    All joints at one time.
+
+    Parameters
+    ----------
+    stamp_ns : int
+        The time [ns].
+    positions, rates : tuple of float
+        Of the n joints [rad, rad/s]; NaN: not known.
+
+    Examples
+    --------
+    >>> Assembly.of(1).after({0: JointReading(10_000_000, 1.5, 0.5)})[1]
+    Assembled(stamp_ns=10000000, positions=(1.5,), rates=(0.5,))
+
+    """
 
     stamp_ns: int
     positions: Tuple[float, ...]
@@ -48,7 +78,29 @@ class Assembly(NamedTuple):
     """
     The last two readings of each joint, and which joints came since the last sample.
 
-    A value: ``after`` returns a new one.
+    A value: :meth:`after` returns a new one.
+
+    Parameters
+    ----------
+    newest, before : tuple of (JointReading or None)
+        The last reading of each of n joints, and the one before it; None: there is none.
+    fresh : tuple of bool
+        Whether each of the joints was heard since the last sample.
+
+    Examples
+    --------
+    The second joint comes 10 ms after the first one; where it was then lies in between:
+
+    >>> assembly, sample = Assembly.of(2).after({0: JointReading(0, 1.0), 1: JointReading(0, 2.0)})
+    >>> sample.positions
+    (1.0, 2.0)
+    >>> assembly, sample = assembly.after({0: JointReading(10_000_000, 1.5)})
+    >>> sample is None, assembly.fresh
+    (True, (True, False))
+    >>> assembly, sample = assembly.after({1: JointReading(20_000_000, 4.0)})
+    >>> sample.stamp_ns, sample.positions
+    (10000000, (1.5, 3.0))
+
     """
 
     newest: Tuple[Optional[JointReading], ...]
@@ -57,11 +109,47 @@ class Assembly(NamedTuple):
 
     @staticmethod
     def of(joints: int) -> 'Assembly':
-        """Return the assembly of so many joints that have not been heard."""
+        """
+        Return the assembly of so many joints that have not been heard.
+
+        Parameters
+        ----------
+        joints : int
+            How many, 1 or more.
+
+        Returns
+        -------
+        Assembly
+            The assembly, without a reading.
+
+        Examples
+        --------
+        See :class:`Assembly`.
+
+        """
         return Assembly((None,) * joints, (None,) * joints, (False,) * joints)
 
     def without(self, joints: Collection[int]) -> 'Assembly':
-        """Return the assembly in which some joints have not been heard."""
+        """
+        Return the assembly in which some joints have not been heard.
+
+        Parameters
+        ----------
+        joints : collection of int
+            Which ones, counted from 0.
+
+        Returns
+        -------
+        Assembly
+            The assembly, without a reading of theirs.
+
+        Examples
+        --------
+        >>> assembly, _ = Assembly.of(2).after({0: JointReading(0, 1.0)})
+        >>> assembly.without([0]) == Assembly.of(2)
+        True
+
+        """
         newest, before = (
             tuple(None if joint in joints else reading for joint, reading in enumerate(readings))
             for readings in (self.newest, self.before))
@@ -74,7 +162,30 @@ class Assembly(NamedTuple):
         """
         Return the assembly after a message, and the sample that it completes, if it does.
 
-        A reading that is not newer than the last one of its joint is dropped.
+        A reading that is not newer than the last one of its joint is dropped; where it is older by
+        more than ``STEP_NS``, the clock was stepped, and all begins anew with this message.
+
+        Parameters
+        ----------
+        readings : mapping of int to JointReading
+            What the message says, by joint, counted from 0.
+
+        Returns
+        -------
+        assembly : Assembly
+            The assembly after the message.
+        sample : Assembled or None
+            All joints when the one that was measured first was; None: some have not come yet.
+
+        Raises
+        ------
+        IndexError
+            If the number of a joint is too large for the assembly.
+
+        Examples
+        --------
+        See :class:`Assembly`.
+
         """
         newest, before, fresh = list(self.newest), list(self.before), list(self.fresh)
         for joint, reading in readings.items():

@@ -59,6 +59,11 @@ class Spoken(NamedTuple):
     positions, rates : sequence of float
         Of the joints [rad, rad/s]; empty: absent.
 
+    Examples
+    --------
+    >>> Spoken('', (0, 1), number=7, now_ns=20_000_000, positions=(0.5, 0.25)).rates
+    ()
+
     """
 
     tag: str
@@ -73,8 +78,34 @@ class Source(NamedTuple):
     """
     A publisher of some joints: its first message, its last one, and whether it ever moved.
 
-    ``gap`` are the messages before and after the last gap of its numbers, if any: what comes in
-    between tells that from there on it was another publisher.
+    Parameters
+    ----------
+    first, last : Spoken
+        Its first message, which tells it from all others, and its last one.
+    moved : bool
+        Whether it has ever said that a joint moves.
+    gap : tuple of (Spoken, Spoken), optional
+        The messages before and after the last gap of its numbers: what comes in between tells that
+        from there on it was another publisher.
+
+    Examples
+    --------
+    A publisher of both wheels whose second message did not come:
+
+    >>> first = Spoken('', (0, 1), number=1, now_ns=0, positions=(0.0, 0.0))
+    >>> third = Spoken('', (0, 1), number=3, now_ns=40_000_000, positions=(0.5, 0.25))
+    >>> source = Source(first, first)
+    >>> source.ahead(third), source.distance(third), source.silent(third.now_ns)
+    (2, 0.5, 40000000)
+    >>> source = source.speaking(third)
+    >>> source.moved, source.gap == (first, third)
+    (True, True)
+
+    The number comes after all, so there are two publishers:
+
+    >>> len(source.parted(third._replace(number=2, now_ns=45_000_000)))
+    2
+
     """
 
     first: Spoken
@@ -83,7 +114,24 @@ class Source(NamedTuple):
     gap: Optional[Tuple[Spoken, Spoken]] = None
 
     def ahead(self, spoken: Spoken) -> int:
-        """Return how many messages after the last one it would be; 0: it is not this one's."""
+        """
+        Return how many messages after the last one it would be; 0: it is not this one's.
+
+        Parameters
+        ----------
+        spoken : Spoken
+            The message.
+
+        Returns
+        -------
+        int
+            1 for the next one, and where numbers are unknown.
+
+        Examples
+        --------
+        See :class:`Source`.
+
+        """
         last = self.last
         if spoken.tag != last.tag or spoken.joints != last.joints:
             return 0
@@ -94,7 +142,24 @@ class Source(NamedTuple):
             ahead <= LARGEST_GAP or self.silent(spoken.now_ns) > TAKEOVER_NS) else 0
 
     def parted(self, spoken: Spoken) -> 'Tuple[Source, ...]':
-        """Return the source as the two that it is where a message comes from within its gap."""
+        """
+        Return the source as the two that it is where a message comes from within its gap.
+
+        Parameters
+        ----------
+        spoken : Spoken
+            The message.
+
+        Returns
+        -------
+        tuple of Source
+            The one before the gap and the one after it; the source alone where it is one.
+
+        Examples
+        --------
+        See :class:`Source`.
+
+        """
         if self.gap and spoken.tag == self.last.tag and spoken.joints == self.last.joints \
                 and self.gap[0].number < spoken.number < self.gap[1].number:
             return (Source(self.first, self.gap[0], self.moved),
@@ -102,18 +167,72 @@ class Source(NamedTuple):
         return self,
 
     def precedes(self, spoken: Spoken) -> bool:
-        """Tell whether a message about other joints seems to come from the same publisher."""
+        """
+        Tell whether a message about other joints seems to come from the same publisher.
+
+        Parameters
+        ----------
+        spoken : Spoken
+            The message.
+
+        Returns
+        -------
+        bool
+            True where the tags are the same and the number, if known, is the next one.
+
+        Examples
+        --------
+        >>> left = Spoken('', (0,), number=1, now_ns=0)
+        >>> right = Spoken('', (1,), number=2, now_ns=3_000_000)
+        >>> Source(left, left).precedes(right), Source(left, left).precedes(left)
+        (True, False)
+
+        """
         last = self.last
         return spoken.tag == last.tag and spoken.joints != last.joints and (
             not spoken.number or spoken.number == last.number + 1)
 
     def distance(self, spoken: Spoken) -> float:
-        """Return how far [rad] the positions of a message are from the last ones."""
+        """
+        Return how far the positions of a message are from the last ones.
+
+        Parameters
+        ----------
+        spoken : Spoken
+            The message, about the same joints.
+
+        Returns
+        -------
+        float
+            The largest distance of a joint [rad]; 0 where no two positions are known.
+
+        Examples
+        --------
+        See :class:`Source`.
+
+        """
         apart = [abs(a - b) for a, b in zip(spoken.positions, self.last.positions)]
         return max((each for each in apart if not math.isnan(each)), default=0.0)
 
     def speaking(self, spoken: Spoken) -> 'Source':
-        """Return the source after a message."""
+        """
+        Return the source after a message.
+
+        Parameters
+        ----------
+        spoken : Spoken
+            The message, which is of this source.
+
+        Returns
+        -------
+        Source
+            The source, of which this message is the last one.
+
+        Examples
+        --------
+        See :class:`Source`.
+
+        """
         moved = self.moved or any(abs(rate) > STANDS for rate in spoken.rates) or any(
             abs(a - b) > STANDS for a, b in zip(spoken.positions, self.first.positions))
         gap = self.gap
@@ -122,17 +241,55 @@ class Source(NamedTuple):
         return Source(self.first, spoken, moved, gap)
 
     def silent(self, now_ns: int) -> int:
-        """Return for how long [ns] it has said nothing; a step of the clock counts as silence."""
+        """
+        Return for how long it has said nothing; a step of the clock counts as silence.
+
+        Parameters
+        ----------
+        now_ns : int
+            The time [ns].
+
+        Returns
+        -------
+        int
+            How long [ns], 0 or above.
+
+        Examples
+        --------
+        See :class:`Source`.
+
+        """
         return abs(now_ns - self.last.now_ns)
 
 
 class Sources(NamedTuple):
     """
-    The publishers that were heard, in the order in which they began.
+    The publishers that were heard; a value: :meth:`heard` returns a new one.
 
-    ``owners`` are the sources believed, by the first message of each, which is unique;
-    ``contested_ns`` is when two of the same joints last spoke in turn; ``ignored`` counts the
-    messages that were not believed.
+    Parameters
+    ----------
+    known : tuple of Source
+        In the order in which they began.
+    owners : tuple of Spoken
+        The sources believed, by the first message of each, which is unique.
+    contested_ns : int
+        When two of the same joints last spoke in turn [ns].
+    ignored : int
+        How many messages were not believed.
+
+    Examples
+    --------
+    A driver, and a node that publishes zeros beside it:
+
+    >>> sources = Sources()
+    >>> for number in range(1, 5):
+    ...     moved = Spoken('', (0, 1), number, 20_000_000 * number, (0.5 * number, 0.5 * number))
+    ...     zeros = Spoken('', (0, 1), 900 + number, moved.now_ns + 9_000_000, (0.0, 0.0))
+    ...     sources, moved_believed = sources.heard(moved)
+    ...     sources, zeros_believed = sources.heard(zeros)
+    >>> moved_believed, zeros_believed, sources.ignored, sources.contested(zeros.now_ns)
+    (True, False, 4, True)
+
     """
 
     known: Tuple[Source, ...] = ()
@@ -141,7 +298,26 @@ class Sources(NamedTuple):
     ignored: int = 0
 
     def heard(self, spoken: Spoken) -> Tuple['Sources', bool]:
-        """Return the sources after a message, and whether it is believed."""
+        """
+        Return the sources after a message, and whether it is believed.
+
+        Parameters
+        ----------
+        spoken : Spoken
+            The message.
+
+        Returns
+        -------
+        sources : Sources
+            The sources after it.
+        believed : bool
+            Whether it is of a source that is believed.
+
+        Examples
+        --------
+        See :class:`Sources`.
+
+        """
         parted = tuple(part for each in self.known for part in each.parted(spoken))
         if len(parted) > len(self.known):
             return self._replace(known=parted).heard(spoken)
@@ -166,12 +342,55 @@ class Sources(NamedTuple):
         return result._replace(owners=owners), True
 
     def caught_up(self, spoken: Spoken) -> 'Sources':
-        """Return the sources after more messages of the only one, of which this is the last."""
+        """
+        Return the sources after more messages of the only one, of which this is the last.
+
+        Parameters
+        ----------
+        spoken : Spoken
+            The last one of the messages; those before it are no gap.
+
+        Returns
+        -------
+        Sources
+            The sources after them.
+
+        Raises
+        ------
+        ValueError
+            If none is known, or more than one.
+
+        Examples
+        --------
+        >>> first = Spoken('', (0, 1), number=1, now_ns=0)
+        >>> sources, _ = Sources().heard(first)
+        >>> source, = sources.caught_up(first._replace(number=9, now_ns=160_000_000)).known
+        >>> source.last.number, source.gap
+        (9, None)
+
+        """
         source, = self.known
         return self._replace(known=(source.speaking(spoken)._replace(gap=source.gap),))
 
     def contested(self, now_ns: int) -> bool:
-        """Return whether two publishers of the same joints have spoken in turn of late."""
+        """
+        Return whether two publishers of the same joints have spoken in turn of late.
+
+        Parameters
+        ----------
+        now_ns : int
+            The time [ns].
+
+        Returns
+        -------
+        bool
+            True for ``CONTEST_NS`` after the last sign of it.
+
+        Examples
+        --------
+        See :class:`Sources`.
+
+        """
         return abs(now_ns - self.contested_ns) < CONTEST_NS
 
     def _source_of(self, spoken: Spoken) -> Optional[Source]:

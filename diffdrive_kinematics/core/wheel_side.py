@@ -49,13 +49,49 @@ Flags = Tuple[bool, ...]
 
 
 def mean_of(values: Sequence[float], used: Sequence[bool]) -> float:
-    """Return the mean of the values that are used, NaN where none is."""
+    """
+    Return the mean of the values that are used, NaN where none is.
+
+    Parameters
+    ----------
+    values : sequence of float, shape (n,)
+        Values of any unit.
+    used : sequence of bool, shape (n,)
+        Which of them are used.
+
+    Returns
+    -------
+    float
+        The mean, in the unit of the values.
+
+    Examples
+    --------
+    >>> mean_of((1.0, 2.0, 9.0), (True, True, False)), mean_of((1.0,), (False,))
+    (1.5, nan)
+
+    """
     chosen = [value for value, use in zip(values, used) if use]
     return sum(chosen) / len(chosen) if chosen else math.nan
 
 
 class Disagreement(NamedTuple):
-    """How far [rad] wheels have gone since the comparison before, and who is left out."""
+    """
+    How far wheels have gone since the comparison before, and who is left out.
+
+    Parameters
+    ----------
+    travels : tuple of float
+        How far each of n wheels has gone [rad]; NaN: it says nothing.
+    left_out : tuple of bool
+        Whether each of them is left out.
+
+    Examples
+    --------
+    >>> seen = Disagreement(travels=(0.0, 4.0), left_out=(True, False))
+    >>> [travel for travel, out in zip(seen.travels, seen.left_out) if out]
+    [0.0]
+
+    """
 
     travels: Floats
     left_out: Flags
@@ -63,14 +99,14 @@ class Disagreement(NamedTuple):
 
 class SideTrack(NamedTuple):
     """
-    The wheels of one side; a value: ``followed`` returns a new one.
+    The wheels of one side; a value: :meth:`followed` returns a new one.
 
     Parameters
     ----------
     position : float
         Of the side [rad]; NaN until a wheel is heard.
     readings, offsets : tuple of float
-        The last positions [rad] of the wheels, and what makes the side's position of them; NaN:
+        The last positions [rad] of the n wheels, and what makes the side's position of them; NaN:
         a wheel was not heard yet.
     used, left_out : tuple of bool
         Whose readings made the position, and whose do not, as they differ from the others'.
@@ -79,7 +115,19 @@ class SideTrack(NamedTuple):
     start, start_position, start_other : tuple of float, float, float
         Readings, position, and position of the other side at that comparison [rad].
     disagreement : Disagreement, optional
-        What that comparison has shown.
+        What that comparison has shown; None: no difference.
+
+    Examples
+    --------
+    The first of two wheels says that it stands, while the robot moves:
+
+    >>> track = SideTrack.starting_at((0.0, 0.0), other=0.0)
+    >>> for number in range(1, 9):
+    ...     track, position = track.followed((0.0, 0.5 * number), other=0.5 * number)
+    >>> track.disagreement
+    Disagreement(travels=(0.0, 4.0), left_out=(True, False))
+    >>> position  # all the way, as if the first wheel had not been there
+    4.0
 
     """
 
@@ -96,7 +144,27 @@ class SideTrack(NamedTuple):
 
     @staticmethod
     def starting_at(readings: Sequence[float], other: float = math.nan) -> 'SideTrack':
-        """Return the track that begins with readings [rad], NaN where a wheel says nothing."""
+        """
+        Return the track that begins with readings.
+
+        Parameters
+        ----------
+        readings : sequence of float, shape (n,)
+            Positions of the wheels [rad]; NaN where one says nothing.
+        other : float
+            Position of the other side [rad], which may count from anywhere; NaN: not known.
+
+        Returns
+        -------
+        SideTrack
+            The track, whose position is the mean of those that are heard.
+
+        Examples
+        --------
+        >>> SideTrack.starting_at((1.0, 2.0, math.nan)).position
+        1.5
+
+        """
         count = len(readings)
         used = tuple(map(is_sane, readings))
         known = tuple(reading if use else math.nan for reading, use in zip(readings, used))
@@ -109,19 +177,25 @@ class SideTrack(NamedTuple):
             self, readings: Sequence[float], other: float = math.nan
     ) -> 'Tuple[SideTrack, float]':
         """
-        Return the track after further readings, and the side's position [rad].
+        Return the track after further readings, and the side's position.
 
         Parameters
         ----------
-        readings : sequence of float
+        readings : sequence of float, shape (n,)
             Positions of the wheels [rad]; NaN where one says nothing.
         other : float
-            Position of the other side [rad], which may count from anywhere.
+            Position of the other side [rad], which may count from anywhere; NaN: not known.
 
         Returns
         -------
-        tuple of SideTrack and float
-            The position is NaN where no wheel says anything, and goes on once one does.
+        track : SideTrack
+            The track after them.
+        position : float
+            Of the side [rad]; NaN where no wheel says anything, and goes on once one does.
+
+        Examples
+        --------
+        See :class:`SideTrack`.
 
         """
         if self.position != self.position:
