@@ -58,11 +58,11 @@ WORST = {
         {'wheel_radius': 0.021, 'input_topic': 'flood', 'slip_distribution': 'truncated_gaussian',
          'left_slip_variance': 1e-5, 'right_slip_variance': 1e-5},
         [(JointState, 'flood', wheels)], [(JointState, 'noisy_wheel_rates')], 1000),
-    'simulated_base': Worst(
+    **dict.fromkeys(('simulated_base', 'wheel_odometry'), Worst(
         {**KHEPERA, 'enable_odom_tf': False, 'wheel_motion_topic': 'flood', 'publish_rate': 1000.0,
          'path_topic': 'path', 'path_length': 100_000, 'path_spacing': 0.0, 'path_rate': 50.0,
          'left_slip_variance': 1e-5, 'right_slip_variance': 1e-5},
-        [(JointState, 'flood', wheels)], [(Odometry, 'odom'), (Path, 'path')], 100),
+        [(JointState, 'flood', wheels)], [(Odometry, 'odom'), (Path, 'path')], 100)),
     'command_sequence': Worst(
         {'cmd_vel_topic': 'other_cmd_vel', 'commands': [0.1, 0.0, 0.001] * 2000,
          'loop': True, 'publish_rate': 1000.0},

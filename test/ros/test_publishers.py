@@ -26,6 +26,7 @@ JOINTS = ['left_wheel_joint', 'right_wheel_joint']
 RADIUS = KHEPERA['wheel_radius']
 STEP_NS = 20_000_000
 STEP = 0.06  # [rad] in STEP_NS
+REST = 50  # steps before it moves, in which all are heard
 BASE = {**KHEPERA, 'enable_odom_tf': False, 'diagnostics_rate': 10.0}
 SPEED = STEP * 1e9 / STEP_NS * RADIUS
 
@@ -67,7 +68,7 @@ class Publishers:
     def say_position(self):
         message = JointState(name=JOINTS, position=[self.angle()] * 2)
         if self._velocity:
-            message.velocity = [STEP * 1e9 / STEP_NS] * 2
+            message.velocity = [STEP * 1e9 / STEP_NS if self.step > REST else 0.0] * 2
         self._send(self.driver, message, self._frame_ids[0])
 
     def _send(self, publisher, message, frame_id):
@@ -76,7 +77,7 @@ class Publishers:
         publisher.publish(message)
 
     def angle(self):
-        return STEP * self.step
+        return STEP * max(0, self.step - REST)
 
     def going_on(self, condition):
         """Return a condition that lets both go on, in real time, until it is true."""

@@ -25,7 +25,8 @@ from sensor_msgs.msg import JointState
 WHEELS = ['fl', 'rl', 'fr', 'rr']
 PAIR = ['left_wheel_joint', 'right_wheel_joint']
 RADIUS, SEPARATION = KHEPERA['wheel_radius'], KHEPERA['wheel_separation']
-BASE = {**KHEPERA, 'enable_odom_tf': False, 'diagnostics_rate': 10.0}
+BASE = {**KHEPERA, 'enable_odom_tf': False, 'diagnostics_rate': 10.0,
+        'extrapolate_positions': False}  # these drivers end in mid-drive
 FOUR = {**BASE, 'left_wheel_names': ['fl', 'rl'], 'right_wheel_names': ['fr', 'rr']}
 STEP_NS, BATCH = 20_000_000, 8
 NAN = math.nan

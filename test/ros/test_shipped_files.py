@@ -166,8 +166,11 @@ def test_wheel_odometry_is_a_simulated_base_that_hears_the_robot(graph, tmp_path
     file.write_text(DRIVER_AND_ODOMETRY)
     sim = graph.start('diffdrive_sim', args=['--ros-args', '--params-file', str(file)])
     odometry, read = graph.collect(Odometry, 'odom'), graph.collect(Odometry, 'read')
-    graph.publisher(Twist, 'cmd_vel').publish(twist(0.1, 0.0))
-    graph.wait_for(lambda: odometry and read and not any(
+    commands = graph.publisher(Twist, 'cmd_vel')
+    commands.publish(twist(0.0, 0.0))
+    graph.wait_for(lambda: odometry and read, 'both, at rest')
+    commands.publish(twist(0.1, 0.0))
+    graph.wait_for(lambda: not any(
         heard[-1].twist.twist.linear.x or heard[-1].pose.pose.position.x < 0.01
         for heard in (odometry, read)), 'the robot to drive and to stop')
     assert odometry[-1].pose.pose.position.x == pytest.approx(read[-1].pose.pose.position.x)
