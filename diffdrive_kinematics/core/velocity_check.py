@@ -29,7 +29,7 @@ from typing import NamedTuple, Optional, Tuple
 
 from diffdrive_kinematics.core.wheel_motion import Pair, ZERO
 
-__all__ = ['Disagreement', 'VelocityCheck']
+__all__ = ['Contradiction', 'VelocityCheck']
 
 FEWEST = 10  # messages of a block,
 SHORTEST_S = 0.5  # its duration
@@ -41,7 +41,7 @@ GROSS = 2.0
 PERSISTENT = 3  # blocks
 
 
-class Disagreement(NamedTuple):
+class Contradiction(NamedTuple):
     """
     What velocities and positions say of the same time.
 
@@ -71,9 +71,9 @@ class VelocityCheck(NamedTuple):
     ----------
     believed : bool
         Whether they agreed with the positions when it was judged last.
-    disagreement : Disagreement or None
+    disagreement : Contradiction or None
         What they persistently differ by.
-    against : tuple of Disagreement
+    against : tuple of Contradiction
         The last blocks in a row that disagreed.
     told, rolled, largest, low, high : pair of float
         Of the block that is under way: travel by the velocities and by the positions [rad], the
@@ -93,14 +93,14 @@ class VelocityCheck(NamedTuple):
     ...     right = right.followed((1.0, 1.0), increments=(0.0625, 0.0625), seconds=0.0625)
     >>> wrong.believed, right.believed
     (False, True)
-    >>> wrong.disagreement == Disagreement('both', told=112.5, rolled=1.875)
+    >>> wrong.disagreement == Contradiction('both', told=112.5, rolled=1.875)
     True
 
     """
 
     believed: bool = False
-    disagreement: Optional[Disagreement] = None
-    against: Tuple[Disagreement, ...] = ()
+    disagreement: Optional[Contradiction] = None
+    against: Tuple[Contradiction, ...] = ()
     told: Pair = ZERO
     rolled: Pair = ZERO
     largest: Pair = ZERO
@@ -169,23 +169,23 @@ class VelocityCheck(NamedTuple):
             believed=self.believed and not (persistent or _grossly(wrong)), against=against,
             disagreement=_together(against) if persistent else self.disagreement)
 
-    def _wrong(self, late: float) -> Optional[Disagreement]:
+    def _wrong(self, late: float) -> Optional[Contradiction]:
         """Return by what wheels disagree in the block with a filter that is late [s]; or None."""
         allowed = [largest + late * (high - low) for largest, low, high in zip(
             self.largest, self.low, self.high)]
-        wrong = [Disagreement(side, told, rolled) for side, told, rolled, allowance in zip(
+        wrong = [Contradiction(side, told, rolled) for side, told, rolled, allowance in zip(
             ('left', 'right'), self.told, self.rolled, allowed) if _differ(
                 told, rolled, allowance)]
         if len(wrong) == 2 and _alike(*wrong):
-            return Disagreement('both', *max(
+            return Contradiction('both', *max(
                 (each[1:] for each in wrong), key=lambda travel: max(map(abs, travel))))
         return wrong[0] if wrong else None
 
 
-def _together(blocks: Tuple[Disagreement, ...]) -> Disagreement:
+def _together(blocks: Tuple[Contradiction, ...]) -> Contradiction:
     """Return what blocks disagree by, all in all."""
     sides = {block.side for block in blocks}
-    return Disagreement(
+    return Contradiction(
         sides.pop() if len(sides) == 1 else 'both', sum(block.told for block in blocks),
         sum(block.rolled for block in blocks))
 
@@ -195,18 +195,18 @@ def _differ(told: float, rolled: float, allowance: float) -> bool:
     return travel >= ENOUGH and abs(told - rolled) > TOLERANCE * travel + allowance
 
 
-def _alike(one: Disagreement, other: Disagreement) -> bool:
+def _alike(one: Contradiction, other: Contradiction) -> bool:
     """Tell whether two blocks are wrong in the same way."""
     return _way(one) == _way(other)
 
 
-def _grossly(wrong: Disagreement) -> bool:
+def _grossly(wrong: Contradiction) -> bool:
     """Tell whether a block is wrong by more than a factor, or by sign."""
     low, high = sorted((abs(wrong.told), abs(wrong.rolled)))
     return wrong.told * wrong.rolled < 0.0 or high > GROSS * low
 
 
-def _way(wrong: Disagreement) -> str:
+def _way(wrong: Contradiction) -> str:
     if wrong.told * wrong.rolled < 0.0:
         return 'sign'
     return 'more' if abs(wrong.told) > abs(wrong.rolled) else 'less'

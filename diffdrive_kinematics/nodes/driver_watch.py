@@ -18,7 +18,7 @@ import math
 from typing import Any, Dict, List, Optional
 
 from diffdrive_kinematics.core.odometry import Odometry
-from diffdrive_kinematics.core.velocity_check import Disagreement
+from diffdrive_kinematics.core.velocity_check import Contradiction
 from diffdrive_kinematics.nodes.diagnostics import Trouble, WARN
 
 __all__ = ['DriverWatch', 'clock_text', 'velocity_text']
@@ -44,7 +44,7 @@ def clock_text(offset_ns: int, topic: str) -> str:
             f'that: {remedy}')
 
 
-def velocity_text(disagreement: Disagreement, radius: float, topic: str) -> str:
+def velocity_text(disagreement: Contradiction, radius: float, topic: str) -> str:
     """Return what to say of velocities that are not those of the positions."""
     side, told, rolled = disagreement
     wheels = 'both wheels' if side == 'both' else f'the {side} wheel'
@@ -91,7 +91,7 @@ class DriverWatch:
     def __init__(self, node: Any, topic: str) -> None:
         self._node, self._topic = node, node.resolve_topic_name(topic)
         self._clock = ''
-        self._disagreement: Optional[Disagreement] = None
+        self._disagreement: Optional[Contradiction] = None
         self._velocity = ''
 
     def look(self, odometry: Odometry) -> None:
