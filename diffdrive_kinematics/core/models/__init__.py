@@ -1,0 +1,39 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""
+Rolling robots as control systems, as S. M. LaValle's chapter on mobile robots has them.
+
+A :class:`ControlSystem` has states and commands with names, units and bounds, f(x, u), and the
+:func:`transition` over a time in which u is held.  The robots (:func:`unicycle`,
+:func:`differential_drive`, :func:`tricycle`, ...) are values of one kind, :class:`Rolling`: their
+command decides the twist, so they move along exact arcs.  :func:`augmented` makes a command a
+state with a bounded rate, again and again.  :func:`rolling_centre` finds the point about which
+wheels turn.  All take arrays of robots as well as one.
+"""
+
+from diffdrive_kinematics.core.models.robots import (
+    ackermann_car, bicycle, car, differential_drive, front_drive_tricycle, front_wheel_angles,
+    least_turning_radius, rear_wheels_tricycle, tricycle, unicycle)
+from diffdrive_kinematics.core.models.system import (
+    admitted, Augmented, augmented, check_command, ControlSystem, Quantity, Rolling, transition,
+    transition_euler, transition_runge_kutta, Vector)
+from diffdrive_kinematics.core.models.wheels import Motion, rolling_centre, RollingCentre, Wheel
+
+__all__ = [
+    'Augmented', 'ControlSystem', 'Motion', 'Quantity', 'Rolling', 'RollingCentre', 'Vector',
+    'Wheel', 'ackermann_car', 'admitted', 'augmented', 'bicycle', 'car', 'check_command',
+    'differential_drive', 'front_drive_tricycle', 'front_wheel_angles', 'least_turning_radius',
+    'rear_wheels_tricycle', 'rolling_centre', 'transition', 'transition_euler',
+    'transition_runge_kutta', 'tricycle', 'unicycle']
