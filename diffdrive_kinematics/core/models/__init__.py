@@ -20,9 +20,13 @@ A :class:`ControlSystem` has states and commands with names, units and bounds, f
 :func:`differential_drive`, :func:`tricycle`, ...) are values of one kind, :class:`Rolling`: their
 command decides the twist, so they move along exact arcs.  :func:`augmented` makes a command a
 state with a bounded rate, again and again.  :func:`rolling_centre` finds the point about which
-wheels turn.  All take arrays of robots as well as one.
+wheels turn.  A :class:`Disturbance` of the commands makes :func:`sample_paths` and, where it is
+bounded, the :func:`reachable_boundary`.  All take arrays of robots as well as one.
 """
 
+from diffdrive_kinematics.core.models.disturbance import (
+    bounded, Disturbance, disturbed, sample_paths, Step)
+from diffdrive_kinematics.core.models.reach import reachable_boundary
 from diffdrive_kinematics.core.models.robots import (
     ackermann_car, bicycle, car, differential_drive, front_drive_tricycle, front_wheel_angles,
     least_turning_radius, rear_wheels_tricycle, tricycle, unicycle)
@@ -32,8 +36,9 @@ from diffdrive_kinematics.core.models.system import (
 from diffdrive_kinematics.core.models.wheels import Motion, rolling_centre, RollingCentre, Wheel
 
 __all__ = [
-    'Augmented', 'ControlSystem', 'Motion', 'Quantity', 'Rolling', 'RollingCentre', 'Vector',
-    'Wheel', 'ackermann_car', 'admitted', 'augmented', 'bicycle', 'car', 'check_command',
-    'differential_drive', 'front_drive_tricycle', 'front_wheel_angles', 'least_turning_radius',
-    'rear_wheels_tricycle', 'rolling_centre', 'transition', 'transition_euler',
+    'Augmented', 'ControlSystem', 'Disturbance', 'Motion', 'Quantity', 'Rolling',
+    'RollingCentre', 'Step', 'Vector', 'Wheel', 'ackermann_car', 'admitted', 'augmented',
+    'bicycle', 'bounded', 'car', 'check_command', 'differential_drive', 'disturbed',
+    'front_drive_tricycle', 'front_wheel_angles', 'least_turning_radius', 'reachable_boundary',
+    'rear_wheels_tricycle', 'rolling_centre', 'sample_paths', 'transition', 'transition_euler',
     'transition_runge_kutta', 'tricycle', 'unicycle']
