@@ -31,8 +31,9 @@ from diffdrive_kinematics.core.models.robots import (
     ackermann_car, bicycle, car, differential_drive, front_drive_tricycle, front_wheel_angles,
     least_turning_radius, rear_wheels_tricycle, tricycle, unicycle)
 from diffdrive_kinematics.core.models.system import (
-    admitted, Augmented, augmented, check_command, ControlSystem, Quantity, Rolling, transition,
-    transition_euler, transition_runge_kutta, Vector)
+    admitted, Augmented, augmented, check_command, ControlSystem, Quantity, Rolling, Vector)
+from diffdrive_kinematics.core.models.transitions import (
+    transition, transition_euler, transition_runge_kutta)
 from diffdrive_kinematics.core.models.wheels import Motion, rolling_centre, RollingCentre, Wheel
 
 __all__ = [

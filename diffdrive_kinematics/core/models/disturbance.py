@@ -26,7 +26,8 @@ from typing import List, Sequence, Tuple
 from diffdrive_kinematics.core.arc import Scalar
 from diffdrive_kinematics.core.checks import check_non_negative
 from diffdrive_kinematics.core.distributions import check_distribution, draw_unit, unit_bound
-from diffdrive_kinematics.core.models.system import ControlSystem, transition, Vector
+from diffdrive_kinematics.core.models.system import ControlSystem, Vector
+from diffdrive_kinematics.core.models.transitions import transition
 import numpy as np
 from numpy.typing import NDArray
 

@@ -24,15 +24,15 @@ from dataclasses import dataclass
 import math
 from typing import Callable, NamedTuple, Protocol, Sequence, Tuple, TypeVar, Union
 
-from diffdrive_kinematics.core.arc import advance, Pose, Scalar
-from diffdrive_kinematics.core.checks import check_finite, check_positive
-from diffdrive_kinematics.core.integration import euler, pose_rate, runge_kutta
+from diffdrive_kinematics.core.arc import Pose, Scalar
+from diffdrive_kinematics.core.checks import check_positive
+from diffdrive_kinematics.core.integration import pose_rate
 import numpy as np
 from numpy.typing import NDArray
 
 __all__ = [
     'Augmented', 'ControlSystem', 'Quantity', 'Rolling', 'Vector', 'admitted', 'augmented',
-    'check_command', 'transition', 'transition_euler', 'transition_runge_kutta']
+    'check_command']
 
 Vector = Tuple[Scalar, ...]
 Bounds = Tuple[Tuple[Scalar, Scalar], ...]
@@ -175,7 +175,7 @@ def augmented(system: ControlSystem, name: str, *, bound: float) -> Augmented:
 
     Examples
     --------
-    >>> from diffdrive_kinematics.core.models import unicycle
+    >>> from diffdrive_kinematics.core.models import transition, unicycle
     >>> smooth = augmented(unicycle(), 's', bound=2.0)
     >>> [f'{each.name} [{each.unit}]' for each in (*smooth.states[3:], *smooth.commands)]
     ['s [m/s]', 's_rate [m/s^2]', 'w [rad/s]']
@@ -194,95 +194,6 @@ def augmented(system: ControlSystem, name: str, *, bound: float) -> Augmented:
     base, _, power = unit.partition('/s')
     per = '/s' if '/s' not in unit else f"/s^{int(power.strip('^') or 1) + 1}"
     return Augmented(system, index, Quantity(f'{name}_rate', base + per, -bound, bound))
-
-
-def transition(
-        system: ControlSystem, state: Vector, command: Vector, duration: float, *,
-        step: float = 0.01) -> Vector:
-    """
-    Return the state after a command was held for ``duration`` [s] (LaValle 2.10).
-
-    It is exact where the robot moves along arcs (2.4 to 2.6), else by Runge-Kutta steps (2.20).
-
-    Parameters
-    ----------
-    system : ControlSystem
-        What moves.
-    state, command : tuple
-        x and u, in the order of ``system.states`` and ``system.commands``.
-    duration : float
-        Time [s]; below 0: where it came from.
-    step : float
-        Longest Runge-Kutta step [s].
-
-    Raises
-    ------
-    ValueError
-        If the duration is not finite, or the step not above 0.
-
-    Examples
-    --------
-    A quarter circle of a tricycle to the left:
-
-    >>> from diffdrive_kinematics.core.models import tricycle
-    >>> x, y, theta = transition(
-    ...     tricycle(wheel_base=1.0), (0.0, 0.0, 0.0), (1.0, math.pi / 4), math.pi / 2)
-    >>> round(x, 9), round(y, 9), round(theta, 9)
-    (1.0, 1.0, 1.570796327)
-
-    """
-    check_finite('duration', duration)
-    if isinstance(system, Rolling):
-        v, w = system.twist(admitted(system, state, command))
-        return advance(Pose(*state), v * duration, w * duration)
-    steps = max(1, math.ceil(abs(duration) / check_positive('step', step) - 1e-9))
-    return transition_runge_kutta(system, state, command, duration, steps=steps)
-
-
-def transition_euler(
-        system: ControlSystem, state: Vector, command: Vector, duration: float, *,
-        steps: int) -> Vector:
-    """
-    Return the state after a held command by ``steps`` Euler steps (LaValle 2.17).
-
-    Raises
-    ------
-    ValueError
-        If the duration is not finite or ``steps`` not positive.
-
-    Examples
-    --------
-    >>> from diffdrive_kinematics.core.models import unicycle
-    >>> x, y, theta = transition_euler(
-    ...     unicycle(), (0.0, 0.0, 0.0), (1.0, math.pi), 1.0, steps=2)
-    >>> round(x, 9), round(y, 9)
-    (0.5, 0.5)
-
-    """
-    return _stepped(euler, system, state, command, duration, steps)
-
-
-def transition_runge_kutta(
-        system: ControlSystem, state: Vector, command: Vector, duration: float, *,
-        steps: int) -> Vector:
-    """
-    Return the state after a held command by ``steps`` Runge-Kutta steps (LaValle 2.20).
-
-    Raises
-    ------
-    ValueError
-        If the duration is not finite or ``steps`` not positive.
-
-    Examples
-    --------
-    >>> from diffdrive_kinematics.core.models import unicycle
-    >>> x, y, theta = transition_runge_kutta(
-    ...     unicycle(), (0.0, 0.0, 0.0), (1.0, math.pi), 1.0, steps=100)
-    >>> abs(y - 2.0 / math.pi) < 1e-8
-    True
-
-    """
-    return _stepped(runge_kutta, system, state, command, duration, steps)
 
 
 def admitted(system: ControlSystem, state: Vector, command: Vector) -> Vector:
@@ -321,18 +232,6 @@ def check_command(system: ControlSystem, command: Sequence[float]) -> None:
     for (name, unit, low, high), value in zip(system.commands, command):
         if not low <= value <= high:
             raise ValueError(f'{name} is {value!r} {unit}, expected from {low} to {high} {unit}')
-
-
-def _stepped(
-        method: Callable[..., Vector], system: ControlSystem, state: Vector, command: Vector,
-        duration: float, steps: int) -> Vector:
-    if steps < 1:
-        raise ValueError(f'steps is {steps!r}, expected 1 or more')
-    for _ in range(steps):
-        state = system.within(method(
-            state, lambda at, _: system.rate(at, command), start=0.0, duration=duration / steps,
-            steps=1))
-    return state
 
 
 def _clipped(value: Scalar, low: Scalar, high: Scalar) -> Scalar:
