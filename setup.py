@@ -60,6 +60,7 @@ setup(
             'matplotlib',
             'mpmath',
             'mypy',
+            'numpydoc',
             'pytest',
             'pytest-timeout',
             'pytest-xdist',

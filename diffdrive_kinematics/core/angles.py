@@ -33,9 +33,27 @@ def wrap_angle(angle: NDArray[np.float64]) -> NDArray[np.float64]: ...
 
 def wrap_angle(angle):  # type: ignore[no-untyped-def]
     """
-    Return ``angle`` [rad] wrapped to (-pi, pi].
+    Return ``angle`` wrapped to (-pi, pi].
 
     The remainder is exact (IEEE 754), so an angle that is in range already keeps every bit.
+
+    Parameters
+    ----------
+    angle : float or numpy.ndarray
+        Angle [rad] of any size; an array may have any shape.
+
+    Returns
+    -------
+    float or numpy.ndarray
+        The same direction, in (-pi, pi] [rad].
+
+    Examples
+    --------
+    >>> wrap_angle(-math.pi) == wrap_angle(3.0 * math.pi) == math.pi
+    True
+    >>> f'{wrap_angle(7.0):.4f}'
+    '0.7168'
+
     """
     if isinstance(angle, np.ndarray):
         wrapped = np.fmod(angle, math.tau)  # exact; in (-2 pi, 2 pi)

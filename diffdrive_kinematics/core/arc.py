@@ -31,7 +31,22 @@ Scalar = Union[float, NDArray[np.float64]]
 
 
 class Pose(NamedTuple):
-    """Position (x, y) [m] and heading theta [rad]; floats, or arrays of poses."""
+    """
+    Position and heading of a robot in a fixed frame; one pose, or arrays of poses.
+
+    Parameters
+    ----------
+    x, y : float or numpy.ndarray
+        Position [m].
+    theta : float or numpy.ndarray
+        Heading [rad], counter-clockwise from the x axis.
+
+    Examples
+    --------
+    >>> Pose(1.0, 2.0, 0.5)._replace(theta=0.0)
+    Pose(x=1.0, y=2.0, theta=0.0)
+
+    """
 
     x: Scalar
     y: Scalar
@@ -42,8 +57,24 @@ def sinc(angle: Scalar) -> Scalar:
     """
     Return ``sin(angle) / angle``, and 1 where the angle is 0.
 
-    The quotient is good to the last digit down to the smallest angle; a series with a threshold,
-    as is often seen, loses digits around the threshold.
+    The quotient is good to the last digit down to the smallest angle.  The usual form, a series
+    below a threshold, loses digits around the threshold.
+
+    Parameters
+    ----------
+    angle : float or numpy.ndarray
+        Angle [rad].
+
+    Returns
+    -------
+    float or numpy.ndarray
+        Ratio of a chord to its arc, where ``angle`` is half the turn [1].
+
+    Examples
+    --------
+    >>> sinc(0.0), round(sinc(0.5 * math.pi), 6)  # the second one is 2 / pi
+    (1.0, 0.63662)
+
     """
     if isinstance(angle, np.ndarray):
         divisor = np.where(angle == 0.0, 1.0, angle)
@@ -53,12 +84,35 @@ def sinc(angle: Scalar) -> Scalar:
 
 def advance(pose: Pose, distance: Scalar, turn: Scalar) -> Pose:
     """
-    Return the pose after an arc of length ``distance`` [m] that turns by ``turn`` [rad].
+    Return the pose after an arc of constant curvature.
 
     The chord of the arc has length ``distance * sinc(turn / 2)`` and direction
     ``theta + turn / 2``: exact for a constant twist, for the straight line (turn = 0) and for
     the turn in place (distance = 0), without a case of its own for either.
-    The heading is not wrapped.
+
+    Parameters
+    ----------
+    pose : Pose
+        Where the arc begins; floats or arrays.
+    distance : float or numpy.ndarray
+        Length of the arc [m], negative in reverse.
+    turn : float or numpy.ndarray
+        Change of the heading [rad].  Arrays broadcast with those of ``pose``, whose theta has to
+        be an array then.
+
+    Returns
+    -------
+    Pose
+        Where the arc ends.  The heading is not wrapped.
+
+    Examples
+    --------
+    A quarter circle of radius 2 m to the left:
+
+    >>> end = advance(Pose(0.0, 0.0, 0.0), distance=math.pi, turn=0.5 * math.pi)
+    >>> [round(value, 6) for value in end]
+    [2.0, 2.0, 1.570796]
+
     """
     half = 0.5 * turn
     chord = distance * sinc(half)

@@ -43,10 +43,17 @@ def fill_normals(bits: np.random.BitGenerator, normals: Array, work: Array) -> N
     ----------
     bits : numpy.random.BitGenerator
         Source of randomness; one word is taken for two normals.
-    normals : array, shape (2 m,)
+    normals : numpy.ndarray, shape (2 m,)
         Where to put the normals.
-    work : array, shape (2, m)
+    work : numpy.ndarray, shape (2, m)
         Scratch space, overwritten.
+
+    Examples
+    --------
+    >>> normals = np.empty(20000)
+    >>> fill_normals(np.random.SFC64(1), normals, np.empty((2, 10000)))
+    >>> bool(abs(normals.mean()) < 0.03), bool(abs(normals.var() - 1.0) < 0.05)
+    (True, True)
 
     """
     half = len(normals) // 2

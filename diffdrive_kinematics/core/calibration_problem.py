@@ -54,7 +54,24 @@ SAME_DRIVE = 'expected m and rad, the left wheel first, forward positive, and on
 
 
 class Column(NamedTuple):
-    """A parameter: its name, its field of Systematic, and its segment (None: all of them)."""
+    """
+    A parameter of a fit.
+
+    Parameters
+    ----------
+    name : str
+        What the user calls it.
+    field : int
+        Index of its field of Systematic.
+    segment : int or None
+        Index of the segment that it belongs to; None: all of them.
+
+    Examples
+    --------
+    >>> Column('offset of drive 1', FIELDS.index('offset'), 0).field
+    6
+
+    """
 
     name: str
     field: int
@@ -63,7 +80,63 @@ class Column(NamedTuple):
 
 @dataclass(frozen=True)
 class Problem:
-    """What is fitted to what."""
+    """
+    What is fitted to what.
+
+    Parameters
+    ----------
+    geometry : WheelGeometry
+        Where the fit starts.
+    segments : tuple of Segment
+        The drives.
+    windows : tuple of WindowSet
+        Windows of each drive, w in all.
+    columns : tuple of Column
+        The p parameters.
+    start : Systematic
+        Values to start from, and those of what is not fitted.
+    trust : float
+        Distance up to which a window counts in full [1].
+
+    Examples
+    --------
+    The separation alone, of a robot whose wheels are 0.51 m apart instead of 0.5 m:
+
+    >>> from diffdrive_kinematics.core.recording import segment_from_rates
+    >>> from diffdrive_kinematics.core.trajectory_windows import windows_between
+    >>> stamps = np.arange(0.0, 60.0, 0.5)
+    >>> rates = 8.0 + 4.0 * np.stack([np.sin(stamps), np.cos(0.7 * stamps)], axis=1)
+    >>> bare = segment_from_rates(stamps, rates, stamps, np.zeros((120, 3)))
+    >>> truth = odometry_at(WheelGeometry(0.51, 0.125), bare, Systematic())
+    >>> windows = windows_between(bare, (2.0, 10.0), every=0.5, tolerance=0.1)
+    >>> problem = Problem(
+    ...     WheelGeometry(0.5, 0.125), (replace(bare, reference=truth),), (windows,),
+    ...     (Column(WHEELS[2], 2, None),), Systematic(), trust=4.0)
+    >>> problem.mine(0), problem.as_the_wheels_tell().start == Systematic()
+    (([0], [2]), True)
+
+    Each step linearises anew:
+
+    >>> values, variances = problem.initial(), Variances(1e-6, 1e-6, 1e-6)
+    >>> weights = np.ones(len(windows.start))
+    >>> for _ in range(5):
+    ...     parts = problem.parts(values)
+    ...     step, _ = newton_step(problem, parts, weights, variances)
+    ...     values = values + step
+    >>> f'{problem.systematics(values)[0].separation:.3f}'
+    '1.020'
+
+    What is left, and how well the separation is known:
+
+    >>> parts = problem.parts(values)
+    >>> bool(distances_of(parts, variances).max() < 0.01)
+    True
+    >>> refuse_unidentified(problem, parts, variances)
+    >>> covariance = sandwich(problem, parts, weights, variances)
+    >>> covariance.shape, taken_by_fit(problem, parts, covariance).shape == (len(weights), 3, 3)
+    ((1, 1), True)
+
+    """
 
     geometry: WheelGeometry
     segments: Tuple[Segment, ...]
@@ -73,7 +146,24 @@ class Problem:
     trust: float
 
     def systematics(self, values: Array) -> List[Systematic]:
-        """Return the systematic errors of each segment."""
+        """
+        Return the systematic errors of each segment.
+
+        Parameters
+        ----------
+        values : numpy.ndarray, shape (p,)
+            Values of the parameters.
+
+        Returns
+        -------
+        list of Systematic
+            One for each segment.
+
+        Examples
+        --------
+        See :class:`Problem`.
+
+        """
         found = []
         for number in range(len(self.segments)):
             mine = {FIELDS[each.field]: float(value) for each, value in zip(self.columns, values)
@@ -82,13 +172,42 @@ class Problem:
         return found
 
     def parts(self, values: Array) -> List[Linearised]:
-        """Return the linearised windows of each segment."""
+        """
+        Return the linearised windows of each segment.
+
+        Parameters
+        ----------
+        values : numpy.ndarray, shape (p,)
+            Values of the parameters.
+
+        Returns
+        -------
+        list of Linearised
+            One for each segment.
+
+        Examples
+        --------
+        See :class:`Problem`.
+
+        """
         return [linearised(self.geometry, segment, windows, systematic)
                 for segment, windows, systematic in zip(
                     self.segments, self.windows, self.systematics(values))]
 
     def initial(self) -> Array:
-        """Return the values to start from."""
+        """
+        Return the values to start from.
+
+        Returns
+        -------
+        numpy.ndarray, shape (p,)
+            Values of the parameters.
+
+        Examples
+        --------
+        See :class:`Problem`.
+
+        """
         return np.array([self.start[each.field] for each in self.columns])
 
     def as_the_wheels_tell(self) -> 'Problem':
@@ -96,6 +215,16 @@ class Problem:
         Return the problem with odometry as its reference.
 
         It tells what the course identifies; the noise of a real reference looks like motion.
+
+        Returns
+        -------
+        Problem
+            The same drives, followed without errors.
+
+        Examples
+        --------
+        See :class:`Problem`.
+
         """
         segments = tuple(
             replace(each, reference=odometry_at(self.geometry, each, self.start))
@@ -103,13 +232,52 @@ class Problem:
         return replace(self, segments=segments, start=Systematic())
 
     def mine(self, segment: int) -> Tuple[List[int], List[int]]:
-        """Return the columns that act on a segment, and their fields."""
+        """
+        Return the columns that act on a segment, and their fields.
+
+        Parameters
+        ----------
+        segment : int
+            Index of the segment, from 0.
+
+        Returns
+        -------
+        columns : list of int
+            Indices of the columns.
+        fields : list of int
+            Indices of their fields of Systematic.
+
+        Examples
+        --------
+        See :class:`Problem`.
+
+        """
         found = [(n, each.field) for n, each in enumerate(self.columns)
                  if each.segment in (None, segment)]
         return [n for n, _ in found], [field for _, field in found]
 
 
 def distances_of(parts: Sequence[Linearised], variances: Variances) -> Array:
+    """
+    Return ``sqrt(e^T P^-1 e)`` of all windows, those of the first segment first.
+
+    Parameters
+    ----------
+    parts : sequence of Linearised
+        Windows of each segment, w in all.
+    variances : Variances
+        Slip constant and noise of the reference.
+
+    Returns
+    -------
+    numpy.ndarray, shape (w,)
+        Distances [1].
+
+    Examples
+    --------
+    See :class:`Problem`.
+
+    """
     return np.concatenate([
         distance(part.error, window_covariance(part, variances)) for part in parts])
 
@@ -145,7 +313,32 @@ def _information(
 def newton_step(
         problem: Problem, parts: Sequence[Linearised], weights: Array, variances: Variances
 ) -> Tuple[Array, Array]:
-    """Return the step of Gauss and Newton, shortened where it is long, and ``H^-1``."""
+    """
+    Return the step of Gauss and Newton, shortened where it is long, and ``H^-1``.
+
+    Parameters
+    ----------
+    problem : Problem
+        What is fitted to what.
+    parts : sequence of Linearised
+        Windows of each segment, at the present values.
+    weights : numpy.ndarray, shape (w,)
+        Weights of all windows.
+    variances : Variances
+        Slip constant and noise of the reference.
+
+    Returns
+    -------
+    step : numpy.ndarray, shape (p,)
+        What to add to the values.
+    inverse : numpy.ndarray, shape (p, p)
+        ``H^-1``, ``H = sum J^T P^-1 J`` over the weighted windows.
+
+    Examples
+    --------
+    See :class:`Problem`.
+
+    """
     gains = _gains(problem, parts, weights, variances)
     pull = np.zeros(len(problem.columns))
     for (columns, _, gain), part in zip(gains, parts):
@@ -172,6 +365,27 @@ def refuse_unidentified(
 
     The prior of that size keeps the matrix regular; where it alone tells the standard error, the
     data say nothing.  Without weights it is the course that is judged, with them the fit.
+
+    Parameters
+    ----------
+    problem : Problem
+        What is fitted to what.
+    parts : sequence of Linearised
+        Windows of each segment.
+    variances : Variances
+        Slip constant and noise of the reference.
+    weights : numpy.ndarray, shape (w,), optional
+        Weights of all windows.
+
+    Raises
+    ------
+    ValueError
+        If there is such a parameter; it is named.
+
+    Examples
+    --------
+    See :class:`Problem`.
+
     """
     fitted = weights is not None
     if weights is None:
@@ -197,7 +411,28 @@ def refuse_unidentified(
 
 
 def taken_by_fit(problem: Problem, parts: Sequence[Linearised], covariance: Array) -> Array:
-    """Return ``J C J^T`` of each window, shape (w, 3, 3)."""
+    """
+    Return what the fit takes out of the errors of each window, ``J C J^T``.
+
+    Parameters
+    ----------
+    problem : Problem
+        What is fitted to what.
+    parts : sequence of Linearised
+        Windows of each segment, w in all.
+    covariance : numpy.ndarray, shape (p, p)
+        Covariance C of the parameters.
+
+    Returns
+    -------
+    numpy.ndarray, shape (w, 3, 3)
+        Covariances of (x [m], y [m], theta [rad]).
+
+    Examples
+    --------
+    See :class:`Problem`.
+
+    """
     found = []
     for number, part in enumerate(parts):
         columns, fields = problem.mine(number)
@@ -210,7 +445,32 @@ def taken_by_fit(problem: Problem, parts: Sequence[Linearised], covariance: Arra
 def sandwich(
         problem: Problem, parts: Sequence[Linearised], weights: Array, variances: Variances
 ) -> Array:
-    """Return the sandwich ``H^-1 S H^-1``."""
+    """
+    Return the covariance ``H^-1 S H^-1`` of the parameters (Huber 1967; White 1980).
+
+    Windows overlap, so ``H^-1`` alone would be too small; see :mod:`.window_weights`.
+
+    Parameters
+    ----------
+    problem : Problem
+        What is fitted to what.
+    parts : sequence of Linearised
+        Windows of each segment, at the present values.
+    weights : numpy.ndarray, shape (w,)
+        Weights of all windows.
+    variances : Variances
+        Slip constant and noise of the reference.
+
+    Returns
+    -------
+    numpy.ndarray, shape (p, p)
+        Covariance, in the squared units of the parameters.
+
+    Examples
+    --------
+    See :class:`Problem`.
+
+    """
     gains = _gains(problem, parts, weights, variances)
     score = np.zeros((len(problem.columns), len(problem.columns)))
     for number, (columns, _, gain) in enumerate(gains):

@@ -25,13 +25,46 @@ __all__ = ['RunningSum']
 
 
 class RunningSum(NamedTuple):
-    """An unevaluated sum ``high + low``: the rounded sum, and what rounding took from it."""
+    """
+    An unevaluated sum ``high + low``: the rounded sum, and what rounding took from it.
+
+    Parameters
+    ----------
+    high : float
+        The sum, rounded to a double.
+    low : float
+        What rounding has left out so far; added to ``high`` it would change nothing.
+
+    Examples
+    --------
+    >>> 1e16 + 1.0 - 1e16, RunningSum(1e16).plus(1.0).plus(-1e16).value
+    (0.0, 1.0)
+
+    """
 
     high: float
     low: float = 0.0
 
     def plus(self, term: float) -> 'RunningSum':
-        """Return the sum with ``term`` added: two-sum of high and the term, then renormalised."""
+        """
+        Return the sum with ``term`` added: two-sum of high and the term, then renormalised.
+
+        Parameters
+        ----------
+        term : float
+            What to add, in the unit of the sum.
+
+        Returns
+        -------
+        RunningSum
+            The new sum (Knuth's two-sum; Dekker 1971).
+
+        Examples
+        --------
+        >>> RunningSum(1.0).plus(1e-20)
+        RunningSum(high=1.0, low=1e-20)
+
+        """
         total = self.high + term
         rest = total - self.high
         low = (self.high - (total - rest)) + (term - rest) + self.low
@@ -39,7 +72,25 @@ class RunningSum(NamedTuple):
         return RunningSum(high, low - (high - total))
 
     def value_with(self, term: float) -> float:
-        """Return ``self.plus(term).value``, without making the sum."""
+        """
+        Return ``self.plus(term).value``, without making the sum.
+
+        Parameters
+        ----------
+        term : float
+            What to add, in the unit of the sum.
+
+        Returns
+        -------
+        float
+            The sum with the term, rounded.
+
+        Examples
+        --------
+        >>> RunningSum(2.0).value_with(0.5)
+        2.5
+
+        """
         total = self.high + term
         rest = total - self.high
         return total + ((self.high - (total - rest)) + (term - rest) + self.low)

@@ -61,7 +61,32 @@ BOUNDS = {
 
 
 def check_distribution(name: str, distribution: str) -> str:
-    """Return ``distribution``, or raise ``ValueError`` if it is none of ``DISTRIBUTIONS``."""
+    """
+    Return ``distribution``, or raise unless it is one of ``DISTRIBUTIONS``.
+
+    Parameters
+    ----------
+    name : str
+        What the user calls the value; the error names it.
+    distribution : str
+        Value to check.
+
+    Returns
+    -------
+    str
+        The value.
+
+    Raises
+    ------
+    ValueError
+        If ``distribution`` is none of ``DISTRIBUTIONS``.
+
+    Examples
+    --------
+    >>> check_distribution('slip_distribution', 'uniform')
+    'uniform'
+
+    """
     if distribution not in DISTRIBUTIONS:
         raise ValueError(f'{name} is {distribution!r}, expected one of {DISTRIBUTIONS}')
     return distribution
@@ -69,12 +94,27 @@ def check_distribution(name: str, distribution: str) -> str:
 
 def unit_bound(distribution: str) -> float:
     """
-    Return the least upper bound of ``abs(draw_unit(distribution, ...))``, inf for ``gaussian``.
+    Return the least upper bound of ``abs(draw_unit(distribution, ...))``.
+
+    Parameters
+    ----------
+    distribution : str
+        One of ``DISTRIBUTIONS``.
+
+    Returns
+    -------
+    float
+        Bound, in standard deviations; inf for ``gaussian``.
 
     Raises
     ------
     ValueError
         If ``distribution`` is none of ``DISTRIBUTIONS``.
+
+    Examples
+    --------
+    >>> unit_bound('gaussian'), round(unit_bound('uniform'), 4)
+    (inf, 1.7321)
 
     """
     return BOUNDS[check_distribution('distribution', distribution)]
@@ -95,10 +135,21 @@ def draw_unit(
     shape : int or tuple of int, optional
         Shape of the array; a float is returned where it is None.
 
+    Returns
+    -------
+    float or numpy.ndarray
+        The draws.
+
     Raises
     ------
     ValueError
         If ``distribution`` is none of ``DISTRIBUTIONS``.
+
+    Examples
+    --------
+    >>> draws = draw_unit('triangular', np.random.default_rng(1), 100000)
+    >>> f'{draws.var():.1f}', bool(abs(draws).max() < unit_bound('triangular'))
+    ('1.0', True)
 
     """
     bound = unit_bound(distribution)
@@ -128,7 +179,7 @@ def sample_heading(
         mean: float, concentration: float, generator: 'np.random.Generator',
         shape: Optional[Shape] = None) -> Draw:
     """
-    Return headings [rad] in (-pi, pi] with the von Mises density (LaValle 2.38).
+    Return headings with the von Mises density (LaValle, Mobile Robotics, eq. 2.38).
 
     ``p(theta) = exp(kappa cos(theta - mean)) / (2 pi I_0(kappa))``: uniform on the circle for
     kappa = 0, near a normal of variance 1 / kappa for large kappa.
@@ -138,16 +189,27 @@ def sample_heading(
     mean : float
         Mean direction [rad].
     concentration : float
-        kappa, 0 or above.
+        Concentration kappa [1], 0 or above.
     generator : numpy.random.Generator
         Source of randomness.
     shape : int or tuple of int, optional
         Shape of the array; a float is returned where it is None.
 
+    Returns
+    -------
+    float or numpy.ndarray
+        Headings in (-pi, pi] [rad].
+
     Raises
     ------
     ValueError
         If the mean is not finite, or the concentration is not finite or below 0.
+
+    Examples
+    --------
+    >>> headings = sample_heading(0.5, 100.0, np.random.default_rng(1), 100000)
+    >>> f'{headings.mean():.2f} {headings.var():.2f}'
+    '0.50 0.01'
 
     """
     centre = wrap_angle(check_finite('mean heading', mean))
@@ -157,7 +219,7 @@ def sample_heading(
 
 def heading_variance(concentration: float) -> float:
     """
-    Return the variance [rad^2] of a von Mises heading about its mean direction.
+    Return the variance of a von Mises heading about its mean direction.
 
     It is the linear variance of the deviation wrapped to (-pi, pi], the one a covariance of
     poses starts with, and not the circular variance 1 - I_1 / I_0:
@@ -165,10 +227,27 @@ def heading_variance(concentration: float) -> float:
     Directional Statistics, sec. 3.5.4), which is pi^2 / 3 at kappa = 0 and tends to 1 / kappa.
     By Gauss-Legendre quadrature with the peak scaled to 1, as I_0 overflows from kappa = 714.
 
+    Parameters
+    ----------
+    concentration : float
+        Concentration kappa [1], 0 or above.
+
+    Returns
+    -------
+    float
+        Variance [rad^2].
+
     Raises
     ------
     ValueError
         If the concentration is not finite or below 0.
+
+    Examples
+    --------
+    >>> round(heading_variance(0.0), 6) == round(math.pi**2 / 3.0, 6)
+    True
+    >>> round(heading_variance(100.0), 4)
+    0.0101
 
     """
     kappa = check_non_negative('concentration', concentration)

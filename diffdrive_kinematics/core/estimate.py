@@ -20,7 +20,22 @@ __all__ = ['Estimate']
 
 
 class Estimate(NamedTuple):
-    """A value, and its standard error (0 where the value was given, not estimated)."""
+    """
+    An estimated value with its standard error.
+
+    Parameters
+    ----------
+    value : float
+        What was estimated, or given.
+    error : float
+        Its standard error, in the same unit; 0 where the value was given.
+
+    Examples
+    --------
+    >>> f'{Estimate(0.2013, 0.0004).value:.3f} m'
+    '0.201 m'
+
+    """
 
     value: float
     error: float

@@ -28,14 +28,56 @@ LONGEST = 128
 
 
 def composed(outer: Pose, inner: Pose) -> Pose:
-    """Return the pose of C in A, of that of B in A (``outer``) and of C in B (``inner``)."""
+    """
+    Return the pose of frame C in A, from that of B in A and that of C in B.
+
+    Parameters
+    ----------
+    outer : Pose
+        Pose of B in A; floats.
+    inner : Pose
+        Pose of C in B; floats.
+
+    Returns
+    -------
+    Pose
+        Pose of C in A, theta in (-pi, pi].
+
+    Examples
+    --------
+    One metre ahead of a robot that looks along y:
+
+    >>> found = composed(Pose(1.0, 2.0, 0.5 * math.pi), Pose(1.0, 0.0, 0.0))
+    >>> [round(value, 6) for value in found]
+    [1.0, 3.0, 1.570796]
+
+    """
     c, s = math.cos(outer.theta), math.sin(outer.theta)
     return Pose(outer.x + c * inner.x - s * inner.y, outer.y + s * inner.x + c * inner.y,
                 wrap_angle(outer.theta + inner.theta))
 
 
 def inverted(pose: Pose) -> Pose:
-    """Return the pose of A in B, of that of B in A."""
+    """
+    Return the pose of frame A in B, from that of B in A.
+
+    Parameters
+    ----------
+    pose : Pose
+        Pose of B in A; floats.
+
+    Returns
+    -------
+    Pose
+        Pose of A in B, theta in (-pi, pi].
+
+    Examples
+    --------
+    >>> pose = Pose(1.0, 2.0, 0.5)
+    >>> [abs(round(value, 9)) for value in composed(pose, inverted(pose))]
+    [0.0, 0.0, 0.0]
+
+    """
     c, s = math.cos(pose.theta), math.sin(pose.theta)
     return Pose(-c * pose.x - s * pose.y, s * pose.x - c * pose.y, wrap_angle(-pose.theta))
 
@@ -50,12 +92,42 @@ class OdometryHistory:
     past : tuple of Odometry
         At least one, by rising anchors; what is asked before the first is answered by it.
 
+    Examples
+    --------
+    The pose half a second after a start with 1 m/s, asked for a second after it:
+
+    >>> from diffdrive_kinematics.core.geometry import WheelGeometry
+    >>> from diffdrive_kinematics.core.wheel_motion import WheelSample
+    >>> odometry = Odometry(WheelGeometry(0.5, 0.125), timeout_ns=None)
+    >>> history = OdometryHistory((odometry,))
+    >>> odometry, _ = odometry.received(WheelSample(0, (8.0, 8.0)), now_ns=0)
+    >>> history = history.followed(odometry)
+    >>> history.pose_at(500_000_000, now_ns=1_000_000_000).x
+    0.5
+
     """
 
     past: Tuple[Odometry, ...]
 
     def followed(self, odometry: Odometry) -> 'OdometryHistory':
-        """Return the history with what the odometry is now; one that went back begins anew."""
+        """
+        Return the history with what the odometry is now; one that went back begins anew.
+
+        Parameters
+        ----------
+        odometry : Odometry
+            The odometry after a message.
+
+        Returns
+        -------
+        OdometryHistory
+            The history, of 128 anchors at most.
+
+        Examples
+        --------
+        See :class:`OdometryHistory`.
+
+        """
         anchor, last = _anchor(odometry), _anchor(self.past[-1])
         if anchor < last:
             return OdometryHistory((odometry,))
@@ -64,9 +136,26 @@ class OdometryHistory:
 
     def pose_at(self, time_ns: int, now_ns: int) -> Pose:
         """
-        Return the pose at a time [ns], when the own clock shows ``now_ns``.
+        Return the pose at a time, when the own clock shows ``now_ns``.
 
         Where the wheels are told by a clock far ahead of it, that is the pose of now.
+
+        Parameters
+        ----------
+        time_ns : int
+            Time that is asked for [ns].
+        now_ns : int
+            What the own clock shows [ns].
+
+        Returns
+        -------
+        Pose
+            Pose at that time, theta in (-pi, pi].
+
+        Examples
+        --------
+        See :class:`OdometryHistory`.
+
         """
         if self.past[-1].is_ahead(now_ns):
             return self.past[-1].at(now_ns).pose

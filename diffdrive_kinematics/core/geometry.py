@@ -53,10 +53,16 @@ class WheelGeometry:
 
     Parameters
     ----------
-    wheel_separation, wheel_radius : float
-        Nominal distance between the wheels' contact points and nominal radius [m].
-    wheel_separation_multiplier, left_wheel_radius_multiplier, right_wheel_radius_multiplier : float
-        Calibrated effective value over nominal value.
+    wheel_separation : float
+        Nominal distance between the contact points of the wheels [m].
+    wheel_radius : float
+        Nominal radius of the wheels [m].
+    wheel_separation_multiplier : float
+        Calibrated separation over the nominal one [1].
+    left_wheel_radius_multiplier : float
+        Calibrated radius of the left wheel over the nominal one [1].
+    right_wheel_radius_multiplier : float
+        Calibrated radius of the right wheel over the nominal one [1].
 
     Raises
     ------
@@ -64,7 +70,14 @@ class WheelGeometry:
         If a value is not a finite positive number, or its product with its multiplier is not
         from 1e-6 to 1e6 m.
 
-    """  # noqa: E501
+    Examples
+    --------
+    >>> geometry = WheelGeometry(
+    ...     wheel_separation=0.5, wheel_radius=0.125, wheel_separation_multiplier=1.5)
+    >>> geometry.separation, geometry.left_radius
+    (0.75, 0.125)
+
+    """
 
     wheel_separation: float
     wheel_radius: float
@@ -83,7 +96,7 @@ class WheelGeometry:
 
     @cached_property
     def separation(self) -> float:
-        """Return effective wheel separation L [m]."""
+        """Effective wheel separation L [m]."""
         return self.wheel_separation * self.wheel_separation_multiplier
 
     @cached_property
@@ -100,10 +113,30 @@ class WheelGeometry:
 def twist_from_wheel_rates(
         geometry: WheelGeometry, left: Number, right: Number) -> Tuple[Number, Number]:
     """
-    Return the twist (v [m/s], w [rad/s]) of the wheel rates [rad/s] (forward kinematics).
+    Return the twist that wheel rates make (forward kinematics).
 
     ``v = (R_r u_r + R_l u_l) / 2``, ``w = (R_r u_r - R_l u_l) / L``
     (Siegwart & Nourbakhsh, sec. 3.2.2; LaValle, Planning Algorithms, eq. 13.16).
+
+    Parameters
+    ----------
+    geometry : WheelGeometry
+        Size and spacing of the wheels.
+    left, right : float or numpy.ndarray
+        Wheel rates u_l and u_r [rad/s], positive = forward.
+
+    Returns
+    -------
+    v : float or numpy.ndarray
+        Forward speed [m/s].
+    w : float or numpy.ndarray
+        Yaw rate [rad/s], counter-clockwise positive.
+
+    Examples
+    --------
+    >>> twist_from_wheel_rates(WheelGeometry(0.5, 0.125), left=2.0, right=4.0)
+    (0.375, 0.5)
+
     """
     v_left = geometry.left_radius * left
     v_right = geometry.right_radius * right
@@ -113,9 +146,32 @@ def twist_from_wheel_rates(
 def wheel_rates_from_twist(
         geometry: WheelGeometry, v: Number, w: Number) -> Tuple[Number, Number]:
     """
-    Return the wheel rates (left, right) [rad/s] that make the twist (inverse kinematics).
+    Return the wheel rates that make a twist (inverse kinematics).
 
-    ``u_r = (v + w L/2) / R_r``, ``u_l = (v - w L/2) / R_l``.
+    ``u_r = (v + w L/2) / R_r``, ``u_l = (v - w L/2) / R_l``: the inverse of
+    :func:`twist_from_wheel_rates`.
+
+    Parameters
+    ----------
+    geometry : WheelGeometry
+        Size and spacing of the wheels.
+    v : float or numpy.ndarray
+        Forward speed [m/s].
+    w : float or numpy.ndarray
+        Yaw rate [rad/s], counter-clockwise positive.
+
+    Returns
+    -------
+    left : float or numpy.ndarray
+        Wheel rate u_l [rad/s], positive = forward.
+    right : float or numpy.ndarray
+        Wheel rate u_r [rad/s].
+
+    Examples
+    --------
+    >>> wheel_rates_from_twist(WheelGeometry(0.5, 0.125), v=0.375, w=0.5)
+    (2.0, 4.0)
+
     """
     half = 0.5 * geometry.separation * w
     return (v - half) / geometry.left_radius, (v + half) / geometry.right_radius
@@ -123,44 +179,141 @@ def wheel_rates_from_twist(
 
 def jacobian(geometry: WheelGeometry) -> NDArray[np.float64]:
     """
-    Return J, shape (2, 2), with ``[v, w] = J @ [u_l, u_r]``.
+    Return the matrix J of the forward kinematics: ``[v, w] = J @ [u_l, u_r]``.
 
     With equal radii this is ``R [[1/2, 1/2], [-1/L, 1/L]]``.
+
+    Parameters
+    ----------
+    geometry : WheelGeometry
+        Size and spacing of the wheels.
+
+    Returns
+    -------
+    numpy.ndarray, shape (2, 2)
+        J, with a first row in m and a second one without unit.
+
+    Examples
+    --------
+    >>> jacobian(WheelGeometry(0.5, 0.125)) @ [2.0, 4.0]
+    array([0.375, 0.5  ])
+
     """
     left, right, separation = geometry.left_radius, geometry.right_radius, geometry.separation
     return np.array([[0.5 * left, 0.5 * right], [-left / separation, right / separation]])
 
 
 def inverse_jacobian(geometry: WheelGeometry) -> NDArray[np.float64]:
-    """Return the inverse of J, shape (2, 2), with ``[u_l, u_r] = J^-1 @ [v, w]``."""
+    """
+    Return the matrix of the inverse kinematics: ``[u_l, u_r] = J^-1 @ [v, w]``.
+
+    Parameters
+    ----------
+    geometry : WheelGeometry
+        Size and spacing of the wheels.
+
+    Returns
+    -------
+    numpy.ndarray, shape (2, 2)
+        The inverse of :func:`jacobian`, with a first column in 1/m and a second one without unit.
+
+    Examples
+    --------
+    >>> inverse_jacobian(WheelGeometry(0.5, 0.125)) @ [0.375, 0.5]
+    array([2., 4.])
+
+    """
     left, right, half = geometry.left_radius, geometry.right_radius, 0.5 * geometry.separation
     return np.array([[1.0 / left, -half / left], [1.0 / right, half / right]])
 
 
 def travel_from_angles(
         geometry: WheelGeometry, left: Number, right: Number) -> Tuple[Number, Number]:
-    """Return the wheel travel (d_l, d_r) [m] of angles rolled (left, right) [rad]."""
+    """
+    Return the travel of wheels that have rolled by angles: ``d_i = R_i * angle``.
+
+    Parameters
+    ----------
+    geometry : WheelGeometry
+        Size and spacing of the wheels.
+    left, right : float or numpy.ndarray
+        Angles rolled [rad].
+
+    Returns
+    -------
+    d_left : float or numpy.ndarray
+        Travel d_l of the left wheel [m].
+    d_right : float or numpy.ndarray
+        Travel d_r of the right wheel [m].
+
+    Examples
+    --------
+    >>> travel_from_angles(WheelGeometry(0.5, 0.125), left=2.0, right=4.0)
+    (0.25, 0.5)
+
+    """
     return geometry.left_radius * left, geometry.right_radius * right
 
 
 def pose_change_from_travel(
         geometry: WheelGeometry, d_left: Number, d_right: Number) -> Tuple[Number, Number]:
-    """Return (distance of the centre [m], turn [rad]) of wheel travel [m]."""
+    """
+    Return how far the robot's centre moves and how far it turns, for :func:`.advance`.
+
+    ``distance = (d_l + d_r) / 2``, ``turn = (d_r - d_l) / L``.
+
+    Parameters
+    ----------
+    geometry : WheelGeometry
+        Size and spacing of the wheels.
+    d_left, d_right : float or numpy.ndarray
+        Wheel travel [m].
+
+    Returns
+    -------
+    distance : float or numpy.ndarray
+        Length of the arc of the centre between the wheels [m].
+    turn : float or numpy.ndarray
+        Change of the heading [rad].
+
+    Examples
+    --------
+    >>> pose_change_from_travel(WheelGeometry(0.5, 0.125), d_left=0.25, d_right=0.5)
+    (0.375, 0.5)
+
+    """
     return 0.5 * (d_left + d_right), (d_right - d_left) / geometry.separation
 
 
 def turning_radius(geometry: WheelGeometry, d_left: float, d_right: float) -> float:
     """
-    Return the signed radius r_c [m] of the circle that the robot's centre follows.
+    Return the signed radius of the circle that the robot's centre follows.
 
-    ``r_c = L (d_l + d_r) / (2 (d_r - d_l))`` (LaValle, Mobile Robotics, eq. 2.7), for travel
-    [m] or, equally, wheel speeds [m/s].  Positive: the centre lies to the left.  Parallel travel
-    gives ``inf``.
+    ``r_c = L (d_l + d_r) / (2 (d_r - d_l))`` (LaValle, Mobile Robotics, eq. 2.7).
+
+    Parameters
+    ----------
+    geometry : WheelGeometry
+        Size and spacing of the wheels.
+    d_left, d_right : float
+        Wheel travel [m] or, equally, wheel speeds [m/s].
+
+    Returns
+    -------
+    float
+        Radius r_c [m]; positive where the centre of the circle lies to the left, ``inf`` for
+        parallel travel.
 
     Raises
     ------
     ValueError
         If a travel is not finite, or both are 0: a wheel pair at rest has no turning radius.
+
+    Examples
+    --------
+    >>> geometry = WheelGeometry(0.5, 0.125)
+    >>> turning_radius(geometry, 0.25, 0.5), turning_radius(geometry, -0.1, 0.1)
+    (0.75, 0.0)
 
     """
     check_finite('d_left', d_left)
@@ -175,15 +328,36 @@ def turning_radius(geometry: WheelGeometry, d_left: float, d_right: float) -> fl
 def turning_centre(
         geometry: WheelGeometry, pose: Pose, d_left: float, d_right: float) -> Tuple[float, float]:
     """
-    Return the point (x, y) [m] about which the robot turns, in the frame of ``pose``.
+    Return the point about which the robot turns.
 
     It lies ``turning_radius`` to the left of the robot's centre, on the wheels' common axis
-    (LaValle, Mobile Robotics, sec. 2.1).  Parallel travel gives infinite coordinates.
+    (LaValle, Mobile Robotics, sec. 2.1).
+
+    Parameters
+    ----------
+    geometry : WheelGeometry
+        Size and spacing of the wheels.
+    pose : Pose
+        Pose of the robot; floats.
+    d_left, d_right : float
+        Wheel travel [m] or, equally, wheel speeds [m/s].
+
+    Returns
+    -------
+    x : float
+        Of the point [m], in the frame of ``pose``; infinite for parallel travel.
+    y : float
+        Of the point [m], likewise.
 
     Raises
     ------
     ValueError
         As :func:`turning_radius`.
+
+    Examples
+    --------
+    >>> turning_centre(WheelGeometry(0.5, 0.125), Pose(1.0, 2.0, 0.0), 0.25, 0.5)
+    (1.0, 2.75)
 
     """
     radius = turning_radius(geometry, d_left, d_right)

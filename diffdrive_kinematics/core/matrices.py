@@ -23,7 +23,25 @@ Array = NDArray[np.float64]
 
 
 def rotations(angle: Array) -> Array:
-    """Return the rotations about z by angles [rad] of shape (n,), shape (n, 3, 3)."""
+    """
+    Return the matrices of rotations about z.
+
+    Parameters
+    ----------
+    angle : numpy.ndarray, shape (n,)
+        Angles [rad], counter-clockwise.
+
+    Returns
+    -------
+    numpy.ndarray, shape (n, 3, 3)
+        One matrix for each angle, for columns (x, y, theta).
+
+    Examples
+    --------
+    >>> np.round(rotations(np.array([0.5 * np.pi])) @ [1.0, 0.0, 0.2], 6)
+    array([[0. , 1. , 0.2]])
+
+    """
     matrix = swings(np.zeros(len(angle)), np.zeros(len(angle)))
     matrix[:, 0, 0] = matrix[:, 1, 1] = np.cos(angle)
     matrix[:, 1, 0] = np.sin(angle)
@@ -33,10 +51,28 @@ def rotations(angle: Array) -> Array:
 
 def swings(x: Array, y: Array) -> Array:
     """
-    Return how errors grow along motions (x, y) [m] of shape (n,) that follow, shape (n, 3, 3).
+    Return how errors of a pose grow along motions that follow.
 
     ``[[1, 0, -y], [0, 1, x], [0, 0, 1]]``: an error of the heading swings the motion
     (Smith, Self & Cheeseman 1990).
+
+    Parameters
+    ----------
+    x, y : numpy.ndarray, shape (n,)
+        The motions [m], in the fixed frame.
+
+    Returns
+    -------
+    numpy.ndarray, shape (n, 3, 3)
+        One matrix for each motion, for errors (x [m], y [m], theta [rad]).
+
+    Examples
+    --------
+    An error of 0.01 rad at the start of 5 m along x is one of 0.05 m in y at their end:
+
+    >>> swings(np.array([5.0]), np.array([0.0])) @ [0.0, 0.0, 0.01]
+    array([[0.  , 0.05, 0.01]])
+
     """
     matrix = np.zeros((len(x), 3, 3))
     matrix[:, [0, 1, 2], [0, 1, 2]] = 1.0

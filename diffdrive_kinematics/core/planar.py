@@ -34,12 +34,27 @@ Quaternion = Tuple[float, float, float, float]
 
 def yaw_from_quaternion(quaternion: Quaternion) -> float:
     """
-    Return the yaw [rad] of a rotation (x, y, z, w); a small error of its length is divided out.
+    Return the yaw of a rotation; a small error of its length is divided out.
+
+    Parameters
+    ----------
+    quaternion : tuple of float
+        Rotation as (x, y, z, w), of length 1 within 1 %.
+
+    Returns
+    -------
+    float
+        Yaw in [-pi, pi] [rad].
 
     Raises
     ------
     ValueError
         If a number is not finite, or the length is off 1 by more than 1 %.
+
+    Examples
+    --------
+    >>> round(yaw_from_quaternion((0.0, 0.0, math.sin(0.25), math.cos(0.25))), 6)
+    0.5
 
     """
     length = math.hypot(*quaternion)
@@ -52,12 +67,29 @@ def yaw_from_quaternion(quaternion: Quaternion) -> float:
 
 def planar_pose(x: float, y: float, quaternion: Quaternion) -> Pose:
     """
-    Return the pose of a position [m] and an orientation (x, y, z, w).
+    Return the pose in the plane of a position and an orientation.
+
+    Parameters
+    ----------
+    x, y : float
+        Position [m].
+    quaternion : tuple of float
+        Orientation as (x, y, z, w), of length 1 within 1 %.
+
+    Returns
+    -------
+    Pose
+        Its theta is the yaw of the orientation [rad].
 
     Raises
     ------
     ValueError
-        If a number is not finite or is absurdly large, or the orientation is none.
+        If a number is not finite or is absurdly large, or the quaternion is not of length 1.
+
+    Examples
+    --------
+    >>> planar_pose(1.0, 2.0, (0.0, 0.0, 0.0, 1.0))
+    Pose(x=1.0, y=2.0, theta=0.0)
 
     """
     if not is_sane(x, y):
@@ -68,12 +100,27 @@ def planar_pose(x: float, y: float, quaternion: Quaternion) -> Pose:
 
 def planar_covariance(covariance: Sequence[float]) -> PoseCovariance:
     """
-    Return the covariance of (x, y, yaw) in one of (x, y, z, roll, pitch, yaw), row by row.
+    Return the covariance of (x, y, yaw) in one of (x, y, z, roll, pitch, yaw).
+
+    Parameters
+    ----------
+    covariance : sequence of float
+        The 36 elements of the larger one, row by row, as in geometry_msgs [m^2, m rad, rad^2].
+
+    Returns
+    -------
+    PoseCovariance
+        Rows and columns 0, 1 and 5 of it.
 
     Raises
     ------
     ValueError
         If that block is not finite, not symmetric, or gives a variance below 0 to any direction.
+
+    Examples
+    --------
+    >>> planar_covariance(np.diag([0.01, 0.02, 0.0, 0.0, 0.0, 0.03]).ravel().tolist())
+    PoseCovariance(xx=0.01, xy=0.0, xt=0.0, yy=0.02, yt=0.0, tt=0.03)
 
     """
     block = np.reshape(covariance, (6, 6))[np.ix_(PLANE, PLANE)]

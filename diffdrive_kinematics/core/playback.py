@@ -26,7 +26,24 @@ NANOSECONDS = 1e9
 
 
 class TimedTwist(NamedTuple):
-    """A twist (v [m/s], w [rad/s]) that holds from ``offset_ns`` after the start."""
+    """
+    A twist that holds from a time after the start of a course.
+
+    Parameters
+    ----------
+    offset_ns : int
+        Time from the start of the course [ns].
+    v : float
+        Forward speed [m/s].
+    w : float
+        Yaw rate [rad/s], counter-clockwise positive.
+
+    Examples
+    --------
+    >>> TimedTwist(offset_ns=2_000_000_000, v=0.5, w=0.0)
+    TimedTwist(offset_ns=2000000000, v=0.5, w=0.0)
+
+    """
 
     offset_ns: int
     v: float
@@ -38,7 +55,18 @@ class Course:
     """
     Twists by the time at which they begin; the last one is zero and ends the course.
 
-    ``duplicates`` counts the rows that a later row with the same time has replaced.
+    Parameters
+    ----------
+    twists : tuple of TimedTwist
+        By rising times, the first one at 0.
+    duplicates : int
+        Rows of a recording that a later row with the same time has replaced.
+
+    Examples
+    --------
+    >>> Course((TimedTwist(0, 0.5, 0.0), TimedTwist(2_000_000_000, 0.0, 0.0))).length_ns
+    2000000000
+
     """
 
     twists: Tuple[TimedTwist, ...]
@@ -50,14 +78,48 @@ class Course:
         return self.twists[-1].offset_ns
 
     def due(self, first: int, elapsed_ns: int) -> Tuple[TimedTwist, ...]:
-        """Return the twists from index ``first`` on that begin by ``elapsed_ns``."""
+        """
+        Return the twists from index ``first`` on that begin by ``elapsed_ns``.
+
+        Parameters
+        ----------
+        first : int
+            Index of the first twist that has not been due yet.
+        elapsed_ns : int
+            Time since the start of the course [ns].
+
+        Returns
+        -------
+        tuple of TimedTwist
+            Twists that are due, in order; empty where none is.
+
+        Examples
+        --------
+        >>> course = course_from_commands([Command(0.5, 0.0, 2.0), Command(0.0, 1.0, 1.0)])
+        >>> course.due(1, elapsed_ns=2_500_000_000)
+        (TimedTwist(offset_ns=2000000000, v=0.0, w=1.0),)
+
+        """
         end = first
         while end < len(self.twists) and self.twists[end].offset_ns <= elapsed_ns:
             end += 1
         return self.twists[first:end]
 
     def commands(self) -> List[Command]:
-        """Return the course as commands with durations [s]."""
+        """
+        Return the course as commands with durations.
+
+        Returns
+        -------
+        list of Command
+            One for each twist but the last.
+
+        Examples
+        --------
+        >>> course_from_recording([(10.0, 0.5, 0.0), (12.0, 0.0, 0.0)]).commands()
+        [Command(v=0.5, w=0.0, duration=2.0)]
+
+        """
         return [
             Command(a.v, a.w, (b.offset_ns - a.offset_ns) / NANOSECONDS)
             for a, b in zip(self.twists, self.twists[1:])]
@@ -67,10 +129,25 @@ def course_from_commands(commands: Sequence[Command]) -> Course:
     """
     Return the course of commands one after the other.
 
+    Parameters
+    ----------
+    commands : sequence of Command
+        Commands, in order.
+
+    Returns
+    -------
+    Course
+        It begins with the first command and ends, with zero, when the last one is over.
+
     Raises
     ------
     ValueError
         If there are none, or they last no time.
+
+    Examples
+    --------
+    >>> course_from_commands([Command(0.5, 0.0, 2.0), Command(0.0, 1.0, 1.0)]).length_ns
+    3000000000
 
     """
     if not commands:
@@ -87,15 +164,31 @@ def course_from_commands(commands: Sequence[Command]) -> Course:
 
 def course_from_recording(rows: Sequence[Tuple[float, float, float]]) -> Course:
     """
-    Return the course of recorded rows (time [s], v [m/s], w [rad/s]).
+    Return the course of recorded commands.
 
     Each row holds until the next; the course starts at the first row's time and ends, with
     zero, at the last row's.  Of rows with the same time the last one wins.
+
+    Parameters
+    ----------
+    rows : sequence of tuple of float
+        Rows (time [s], v [m/s], w [rad/s]), by rising times.
+
+    Returns
+    -------
+    Course
+        It begins at 0, whatever the first time.
 
     Raises
     ------
     ValueError
         If there are none, a value is not finite or times decrease; rows count from 1.
+
+    Examples
+    --------
+    >>> course = course_from_recording([(10.0, 0.5, 0.0), (12.0, 0.0, 1.0), (13.0, 0.0, 1.0)])
+    >>> course.twists[1]
+    TimedTwist(offset_ns=2000000000, v=0.0, w=1.0)
 
     """
     if not rows:

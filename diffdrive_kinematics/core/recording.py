@@ -42,16 +42,24 @@ class Segment:
 
     Parameters
     ----------
-    time : array, shape (n,)
+    time : numpy.ndarray, shape (n,)
         Stamps of the wheels [s], strictly increasing.
-    angles : array, shape (n, 2)
+    angles : numpy.ndarray, shape (n, 2)
         Angles (left, right) [rad] that the wheels have rolled so far.
-    reference_time : array, shape (m,)
+    reference_time : numpy.ndarray, shape (m,)
         Stamps of the reference [s], strictly increasing.
-    reference : array, shape (m, 3)
+    reference : numpy.ndarray, shape (m, 3)
         Poses (x [m], y [m], yaw [rad]) of the reference's frame on the robot, yaw unwrapped.
     duplicates : int
         Rows, of wheels and reference, that a later row with the same stamp replaced.
+
+    Examples
+    --------
+    >>> drive = segment_from_positions(
+    ...     time=[0.0, 1.0], positions=[[0.0, 0.0], [8.0, 8.0]],
+    ...     reference_time=[0.0, 1.0], reference=[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]])
+    >>> drive.angles.shape, drive.reference.shape, drive.duplicates
+    ((2, 2), (2, 3), 0)
 
     """
 
@@ -63,12 +71,29 @@ class Segment:
 
     def between(self, start: float, end: float) -> 'Segment':
         """
-        Return the part of the segment from ``start`` to ``end`` [s], both included.
+        Return the part of the segment between two times, both included.
+
+        Parameters
+        ----------
+        start, end : float
+            First and last time [s], of either clock.
+
+        Returns
+        -------
+        Segment
+            Rows of the wheels and of the reference that lie there.
 
         Raises
         ------
         ValueError
             If fewer than two rows of the wheels or of the reference lie there.
+
+        Examples
+        --------
+        >>> seconds = np.arange(10.0)
+        >>> drive = segment_from_positions(seconds, np.zeros((10, 2)), seconds, np.zeros((10, 3)))
+        >>> drive.between(2.0, 5.0).time
+        array([2., 3., 4., 5.])
 
         """
         wheels = (self.time >= start) & (self.time <= end)
@@ -97,11 +122,24 @@ def segment_from_positions(
     reference : array_like, shape (m, 3)
         Poses (x [m], y [m], yaw [rad]); yaw may be wrapped.
 
+    Returns
+    -------
+    Segment
+        Wheels and reference, yaw unwrapped.
+
     Raises
     ------
     ValueError
         If a shape is another one, a number is not finite, stamps fall, or fewer than two
         different stamps are left.
+
+    Examples
+    --------
+    >>> drive = segment_from_positions(
+    ...     [0.0, 1.0], [[0.0, 0.0], [0.5, 1.0]],
+    ...     [0.0, 1.0], [[0.0, 0.0, 3.0], [-0.1, 0.0, -3.0]])
+    >>> drive.reference[:, 2].round(3)
+    array([3.   , 3.283])
 
     """
     stamps, angles, replaced = _series('time', time, 'positions', positions, 2)
@@ -114,9 +152,36 @@ def segment_from_rates(
         time: ArrayLike, rates: ArrayLike, reference_time: ArrayLike,
         reference: ArrayLike) -> Segment:
     """
-    Return the segment of wheel rates (left, right) [rad/s], each held until the next stamp.
+    Return the segment of wheel rates, each held until the next stamp.
 
-    Parameters and errors are those of :func:`segment_from_positions`.
+    Parameters
+    ----------
+    time : array_like, shape (n,)
+        Stamps [s], n >= 2, not falling.
+    rates : array_like, shape (n, 2)
+        Wheel rates (left, right) [rad/s].
+    reference_time : array_like, shape (m,)
+        Stamps [s], m >= 2, not falling.
+    reference : array_like, shape (m, 3)
+        Poses (x [m], y [m], yaw [rad]); yaw may be wrapped.
+
+    Returns
+    -------
+    Segment
+        Wheels, from angles of 0, and reference.
+
+    Raises
+    ------
+    ValueError
+        As :func:`segment_from_positions`.
+
+    Examples
+    --------
+    >>> drive = segment_from_rates(
+    ...     [0.0, 0.5, 1.0], [[2.0, 2.0], [2.0, 4.0], [0.0, 0.0]], [0.0, 1.0], np.zeros((2, 3)))
+    >>> drive.angles[-1]
+    array([2., 3.])
+
     """
     stamps, held, replaced = _series('time', time, 'rates', rates, 2)
     rolled = np.cumsum(np.diff(stamps)[:, None] * held[:-1], axis=0)
@@ -128,15 +193,40 @@ def segment_from_ticks(
         time: ArrayLike, ticks: ArrayLike, reference_time: ArrayLike, reference: ArrayLike, *,
         ticks_per_turn: float) -> Segment:
     """
-    Return the segment of encoder increments (left, right), each since the row before.
+    Return the segment of encoder increments, each since the row before.
 
     The increments of all rows count, those with the same stamp too; that of the first row, which
     belongs to the time before it, does not matter.
+
+    Parameters
+    ----------
+    time : array_like, shape (n,)
+        Stamps [s], n >= 2, not falling.
+    ticks : array_like, shape (n, 2)
+        Encoder increments (left, right).
+    reference_time : array_like, shape (m,)
+        Stamps [s], m >= 2, not falling.
+    reference : array_like, shape (m, 3)
+        Poses (x [m], y [m], yaw [rad]); yaw may be wrapped.
+    ticks_per_turn : float
+        Ticks of one turn of a wheel.
+
+    Returns
+    -------
+    Segment
+        Wheels and reference.
 
     Raises
     ------
     ValueError
         As :func:`segment_from_positions`; if ``ticks_per_turn`` is not finite and above 0.
+
+    Examples
+    --------
+    >>> drive = segment_from_ticks(
+    ...     [0.0, 1.0], [[0, 0], [512, 1024]], [0.0, 1.0], np.zeros((2, 3)), ticks_per_turn=1024)
+    >>> (drive.angles[-1] / np.pi).round(6)
+    array([1., 2.])
 
     """
     scale = 2.0 * np.pi / check_positive('ticks_per_turn', ticks_per_turn)
@@ -149,15 +239,41 @@ def segment_from_commands(
         time: ArrayLike, twists: ArrayLike, reference_time: ArrayLike, reference: ArrayLike, *,
         geometry: WheelGeometry) -> Segment:
     """
-    Return the segment of commands (v [m/s], w [rad/s]), each held until the next stamp.
+    Return the segment of commanded twists, each held until the next stamp.
 
     They become the wheel rates that a robot of this geometry is asked for; a fit that starts
     from the same geometry then says how the robot follows its commands.
+
+    Parameters
+    ----------
+    time : array_like, shape (n,)
+        Stamps [s], n >= 2, not falling.
+    twists : array_like, shape (n, 2)
+        Commands (v [m/s], w [rad/s]).
+    reference_time : array_like, shape (m,)
+        Stamps [s], m >= 2, not falling.
+    reference : array_like, shape (m, 3)
+        Poses (x [m], y [m], yaw [rad]); yaw may be wrapped.
+    geometry : WheelGeometry
+        Size and spacing of the wheels.
+
+    Returns
+    -------
+    Segment
+        Wheels as commanded, from angles of 0, and reference.
 
     Raises
     ------
     ValueError
         As :func:`segment_from_positions`.
+
+    Examples
+    --------
+    >>> drive = segment_from_commands(
+    ...     [0.0, 1.0], [[0.375, 0.5], [0.0, 0.0]], [0.0, 1.0], np.zeros((2, 3)),
+    ...     geometry=WheelGeometry(0.5, 0.125))
+    >>> drive.angles[-1]
+    array([2., 4.])
 
     """
     stamps, commands = _checked('time', time, 'twists', twists, 2)

@@ -58,7 +58,22 @@ VANISHED = 1e-7
 
 
 class ReferenceNoise(NamedTuple):
-    """White noise of reference poses: standard deviation of x and y [m], and of theta [rad]."""
+    """
+    White noise of reference poses.
+
+    Parameters
+    ----------
+    sigma_position : float
+        Standard deviation of x and of y [m].
+    sigma_heading : float
+        Standard deviation of theta [rad].
+
+    Examples
+    --------
+    >>> ReferenceNoise(sigma_position=0.002, sigma_heading=0.005)
+    ReferenceNoise(sigma_position=0.002, sigma_heading=0.005)
+
+    """
 
     sigma_position: float
     sigma_heading: float
@@ -76,12 +91,16 @@ class SlipWindow:
 
     Parameters
     ----------
-    error : array, shape (3,)
+    error : numpy.ndarray, shape (3,)
         Relative pose of the reference minus that of wheel odometry, theta wrapped.
-    left, right : array, shape (3, 3)
+    left, right : numpy.ndarray, shape (3, 3)
         A_l and A_r: covariance for a slip constant of 1 m.
-    position, heading : array, shape (3, 3)
+    position, heading : numpy.ndarray, shape (3, 3)
         N_p and N_h: covariance for a reference noise of 1 m^2 and 1 rad^2.
+
+    Examples
+    --------
+    See :func:`slip_window`.
 
     """
 
@@ -110,6 +129,10 @@ class SlipFit:
     windows : int
         How many there were.
 
+    Examples
+    --------
+    See :func:`fit_slip`.
+
     """
 
     k_left: Estimate
@@ -122,7 +145,7 @@ class SlipFit:
 
     @property
     def noise(self) -> ReferenceNoise:
-        """Return the reference's noise without its errors."""
+        """Noise of the reference, without its errors."""
         return ReferenceNoise(self.sigma_position.value, self.sigma_heading.value)
 
 
@@ -139,12 +162,27 @@ def slip_window(
         Calibrated travel (d_l, d_r) [m] of each of n >= 1 intervals, in order.
     before, after : Pose
         Reference poses of the robot's centre (between the wheels) at the start and the end,
-        scalars, in one fixed frame.
+        floats, in one fixed frame.
+
+    Returns
+    -------
+    SlipWindow
+        Its error, and the covariances of which that of the error is made.
 
     Raises
     ------
     ValueError
         If the shape is another one, a number is not finite, or no wheel travelled.
+
+    Examples
+    --------
+    A straight metre by the wheels, at the end of which a tracker sees the robot 2 mm to the left:
+
+    >>> window = slip_window(
+    ...     WheelGeometry(0.5, 0.125), np.full((20, 2), 0.05),
+    ...     before=Pose(0.0, 0.0, 0.0), after=Pose(1.0, 0.002, 0.0))
+    >>> abs(window.error.round(6))
+    array([0.   , 0.002, 0.   ])
 
     """
     rows = np.asarray(travel, dtype=np.float64)
@@ -184,13 +222,31 @@ def fit_slip(
     equal : bool
         Fit one k for both wheels instead of one each.
     noise : ReferenceNoise, optional
-        The reference's noise where it is known; fitted as well where it is not.
+        Noise of the reference where it is known; fitted as well where it is not.
+
+    Returns
+    -------
+    SlipFit
+        Slip constants and noise with their errors.
 
     Raises
     ------
     ValueError
         If there are too few windows, a number is not finite, there are no errors, or the
         windows cannot tell the parameters from one another.
+
+    Examples
+    --------
+    From 400 simulated metres with k = 1e-4 m of both wheels:
+
+    >>> from diffdrive_kinematics.core.noise import WheelSlip
+    >>> from diffdrive_kinematics.core.projection import propagate
+    >>> geometry, slip = WheelGeometry(0.5, 0.125), WheelSlip(variance=1e-4)
+    >>> ends = propagate(Pose(*np.zeros((3, 400))), 1.0, 1.0, geometry, slip, slip, seed=1)
+    >>> k = fit_slip([slip_window(geometry, [[1.0, 1.0]], Pose(0.0, 0.0, 0.0), Pose(*end))
+    ...               for end in zip(*ends)], noise=NO_NOISE).k_left
+    >>> abs(k.value - 1e-4) < 3.0 * k.error < 0.2e-4
+    True
 
     """
     stack = _stacked(windows)
@@ -210,14 +266,36 @@ def fit_slip(
 def fit_reference_noise(
         windows: Sequence[SlipWindow], k_left: float, k_right: float) -> SlipFit:
     """
-    Return the reference's noise of the greatest likelihood, for known slip constants [m].
+    Return the reference's noise of the greatest likelihood, for known slip constants.
 
     For the reference of another session: best from short windows, in which slip is small.
+
+    Parameters
+    ----------
+    windows : sequence of SlipWindow
+        At least 5 that do not overlap.
+    k_left, k_right : float
+        Slip variance per metre of travel [m].
+
+    Returns
+    -------
+    SlipFit
+        Noise with its errors; the slip constants are those given, with errors of 0.
 
     Raises
     ------
     ValueError
         As :func:`fit_slip`; if a slip constant is not finite or below 0.
+
+    Examples
+    --------
+    Both ends of a window carry the noise, here of 5 mm and 10 mrad:
+
+    >>> errors = 2.0**0.5 * np.random.default_rng(1).normal(0.0, [0.005, 0.005, 0.01], (400, 3))
+    >>> windows = [slip_window(WheelGeometry(0.5, 0.125), [[0.01, 0.01]], Pose(0.0, 0.0, 0.0),
+    ...                        Pose(0.01 + x, y, theta)) for x, y, theta in errors]
+    >>> f'{fit_reference_noise(windows, 1e-6, 1e-6).sigma_position.value:.3f} m'
+    '0.005 m'
 
     """
     stack = _stacked(windows)
@@ -233,15 +311,36 @@ def nees_per_dof(
         windows: Sequence[SlipWindow], k_left: float, k_right: float,
         noise: ReferenceNoise = NO_NOISE) -> Array:
     """
-    Return ``e^T P^-1 e / 3`` of each window, shape (n,); its mean is 1 if the model holds.
+    Return ``e^T P^-1 e / 3`` of each window; its mean is 1 if the model holds.
 
     The normalised error squared of Bar-Shalom, Li & Kirubarajan (2001, sec. 5.4.2), for slip
-    constants [m] and a noise of the reference that may come from other windows.
+    constants and a noise of the reference that may come from other windows.
+
+    Parameters
+    ----------
+    windows : sequence of SlipWindow
+        At least one.
+    k_left, k_right : float
+        Slip variance per metre of travel [m].
+    noise : ReferenceNoise
+        Noise of the reference.
+
+    Returns
+    -------
+    numpy.ndarray, shape (n,)
+        One value for each window [1].
 
     Raises
     ------
     ValueError
         If a constant is not finite or below 0, or the covariance of a window is singular.
+
+    Examples
+    --------
+    >>> window = slip_window(WheelGeometry(0.5, 0.125), [[1.0, 1.0]],
+    ...                      Pose(0.0, 0.0, 0.0), Pose(1.0, 0.0, 0.03))
+    >>> nees_per_dof([window], k_left=1e-4, k_right=1e-4).round(3)
+    array([1.5])
 
     """
     stack = _stacked(windows, fewest=1)

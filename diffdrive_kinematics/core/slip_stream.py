@@ -50,11 +50,22 @@ class SlipStream:
     motion : WheelMotion or None
         The nominal motion; None until the first sample.
     told_ns : int
-        Stamp of the last sample that was put out.
+        Stamp of the last sample that was put out [ns].
     ahead : pair of float
         Nominal angle [rad] that was put out already, beyond the anchor of ``motion``.
     left, right : RunningSum
         Effective angles [rad] that were put out.
+
+    Examples
+    --------
+    A left wheel that travels 50 % farther than it should:
+
+    >>> stream = SlipStream((0.125, 0.125), WheelSlip(bias=0.5), WheelSlip(), timeout_ns=None)
+    >>> generator = np.random.default_rng(1)
+    >>> stream, _, _ = stream.passed(WheelSample(0, (8.0, 8.0)), generator)
+    >>> stream, out, _ = stream.passed(WheelSample(1_000_000_000, (8.0, 8.0)), generator)
+    >>> out.rates, out.positions
+    ((12.0, 8.0), (12.0, 8.0))
 
     """
 
@@ -72,9 +83,29 @@ class SlipStream:
             self, sample: WheelSample, generator: np.random.Generator
     ) -> Tuple['SlipStream', Optional[WheelSample], Verdict]:
         """
-        Return the stream after ``sample``, what to put out (None: drop it), and the verdict.
+        Return the stream after a sample, and what to put out.
 
-        The first sample put out has no positions: it is the baseline from which they count.
+        Parameters
+        ----------
+        sample : WheelSample
+            Nominal motion of the wheels.
+        generator : numpy.random.Generator
+            Source of randomness.
+
+        Returns
+        -------
+        stream : SlipStream
+            The state after the sample.
+        out : WheelSample or None
+            Biased and slipping motion; None: drop the sample.  The first one put out has no
+            positions: it is the baseline from which they count.
+        verdict : Verdict
+            What became of the sample.
+
+        Examples
+        --------
+        See :class:`SlipStream`.
+
         """
         if self.motion is None:
             motion = first_motion(sample)

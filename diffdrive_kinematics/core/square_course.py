@@ -43,21 +43,32 @@ def square_course(
     Parameters
     ----------
     side : float
-        Of the square [m].
+        Side of the square [m].
     speed, yaw_rate : float
         Speed of the straight stretches [m/s] and rate of the turns on the spot [rad/s]; bounds
         of both on rounded corners, which are driven as fast as they allow.
     clockwise : bool
         Turn right instead of left.
     corner_radius : float
-        Of rounded corners [m], at most half the side; 0 = sharp ones.
+        Radius of rounded corners [m], at most half the side; 0 = sharp ones.
     pause : float
         Rest between two motions [s].
+
+    Returns
+    -------
+    list of Command
+        Straight stretches and corners in turn, the last corner included.
 
     Raises
     ------
     ValueError
         If a value is out of its range.
+
+    Examples
+    --------
+    >>> course = square_course(side=4.0, speed=0.5, yaw_rate=0.5, clockwise=True)
+    >>> len(course), course[0]
+    (8, Command(v=0.5, w=0.0, duration=8.0))
 
     """
     check_length('side', side)

@@ -56,7 +56,23 @@ LARGEST_U = 1.0 / 3.0
 
 
 class SquareAngles(NamedTuple):
-    """The angles alpha and beta [rad], and the covariance of their errors [rad^2]."""
+    """
+    The angles by which a square is off.
+
+    Parameters
+    ----------
+    alpha : Estimate
+        Too little turned at each corner [rad].
+    beta : Estimate
+        Turned to the left along each side [rad].
+    covariance : float
+        Covariance of the errors of both [rad^2].
+
+    Examples
+    --------
+    See :func:`angles_of_runs`.
+
+    """
 
     alpha: Estimate
     beta: Estimate
@@ -69,19 +85,34 @@ def angles_of_runs(
     """
     Return alpha and beta, the means of their x and y forms.
 
-    They are sum and difference of one mean of each direction, of ``x + y`` and of ``x - y``.
+    They are sum and difference of one mean of each direction, of ``x + y`` and of ``x - y``
+    (Borenstein & Feng 1996; see the head of this module).
 
     Parameters
     ----------
     side, corner_radius : float
-        Of the square [m].
-    clockwise, counterclockwise : array, shape (n, 2)
+        Side of the square and radius of its corners [m].
+    clockwise, counterclockwise : numpy.ndarray, shape (n, 2)
         Return errors (x, y) [m], at least 2 runs each.
+
+    Returns
+    -------
+    SquareAngles
+        Both angles with their errors.
 
     Raises
     ------
     ValueError
         If an angle is larger than the first order can tell.
+
+    Examples
+    --------
+    A robot that turns too little, seen from both sides:
+
+    >>> angles = angles_of_runs(
+    ...     4.0, 0.0, np.array(2 * [[-0.16, -0.16]]), np.array(2 * [[-0.16, 0.16]]))
+    >>> round(angles.alpha.value, 6), abs(round(angles.beta.value, 6))
+    (0.02, 0.0)
 
     """
     scale = -1.0 / (8.0 * (side - corner_radius))
@@ -108,21 +139,35 @@ def ratios_of_angles(
 
     ``E_b = (pi/2) / (pi/2 - alpha)``; ``E_d = (rho + E_b b/2) / (rho - E_b b/2)``, where
     ``rho = (p/2) / sin(beta/2)`` is the radius of the arc that the robot makes of a side:
-    ``E_d = (1 + u) / (1 - u)`` with ``u = E_b b / (2 rho)``.
+    ``E_d = (1 + u) / (1 - u)`` with ``u = E_b b / (2 rho)`` (Borenstein & Feng 1996).
 
     Parameters
     ----------
     side, corner_radius : float
-        Of the square [m].
+        Side of the square and radius of its corners [m].
     separation : float
-        That odometry believes in [m].
+        Wheel separation b that odometry believes in [m].
     angles : SquareAngles
-        Of the runs.
+        Angles of the runs.
+
+    Returns
+    -------
+    e_b : Estimate
+        True wheel separation over the one believed in [1].
+    e_d : Estimate
+        Right wheel over left wheel, each as true over believed diameter [1].
 
     Raises
     ------
     ValueError
         If E_d is not from 0.5 to 2: no wheels are that different.
+
+    Examples
+    --------
+    >>> angles = SquareAngles(Estimate(0.02, 0.001), Estimate(0.0, 0.001), covariance=0.0)
+    >>> e_b, e_d = ratios_of_angles(4.0, 0.0, 0.5, angles)
+    >>> f'{e_b.value:.4f} {e_d.value:.4f}'
+    '1.0129 1.0000'
 
     """
     alpha, beta, covariance = angles

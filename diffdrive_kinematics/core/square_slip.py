@@ -44,12 +44,35 @@ def slip_from_squares(
         geometry: WheelGeometry, side: float, clockwise: Sequence[ReturnError],
         counterclockwise: Sequence[ReturnError], *, corner_radius: float = 0.0) -> Estimate:
     """
-    Return the slip variance k [m] of both wheels; arguments are those of :func:`.umbmark`.
+    Return the slip variance k of both wheels.
+
+    Parameters
+    ----------
+    geometry : WheelGeometry
+        Geometry that odometry used.
+    side : float
+        Side of the square [m], as :func:`.square_course` drives it.
+    clockwise, counterclockwise : sequence of ReturnError
+        Return errors of the runs, at least 3 in all.
+    corner_radius : float
+        Radius of the square's corners [m], at most half the side; 0 = turns on the spot.
+
+    Returns
+    -------
+    Estimate
+        Slip variance per metre of travel [m].
 
     Raises
     ------
     ValueError
-        If there are fewer than 3 runs, or the square is none.
+        If there are fewer than 3 runs, or a length of the square is out of range.
+
+    Examples
+    --------
+    >>> one, other = ReturnError(0.02, -0.01), ReturnError(-0.02, 0.01)
+    >>> k = slip_from_squares(WheelGeometry(0.5, 0.125), 4.0, [one, other], [one, other])
+    >>> f'k = {k.value:.1e} +- {k.error:.1e} m'
+    'k = 8.0e-07 +- 5.6e-07 m'
 
     """
     runs = len(clockwise) + len(counterclockwise)

@@ -60,7 +60,15 @@ NEGLIGIBLE = 1e-3
 
 
 class Clock(enum.Enum):
-    """What is fitted of the time between wheels and reference."""
+    """
+    What is fitted of the time between wheels and reference.
+
+    Examples
+    --------
+    >>> Clock.DELAY.value
+    'one delay for all segments'
+
+    """
 
     NONE = 'none'
     DELAY = 'one delay for all segments'
@@ -91,6 +99,11 @@ class Windows:
     ValueError
         If there is no length, or a number is not finite and above 0.
 
+    Examples
+    --------
+    >>> Windows(lengths=(1.0, 5.0)).every
+    0.5
+
     """
 
     lengths: Tuple[float, ...] = (2.0, 10.0)
@@ -114,7 +127,22 @@ makes heavy tails."""
 
 
 class Residual(NamedTuple):
-    """Root mean square of the errors of windows: distance [m], and heading [rad]."""
+    """
+    Root mean square of the errors of windows.
+
+    Parameters
+    ----------
+    position : float
+        Of the distance [m].
+    heading : float
+        Of the heading [rad].
+
+    Examples
+    --------
+    >>> Residual(position=0.012, heading=0.003).position
+    0.012
+
+    """
 
     position: float
     heading: float
@@ -127,24 +155,33 @@ class TrajectoryFit:
 
     Parameters
     ----------
-    left_wheel_radius_multiplier, right_wheel_radius_multiplier, wheel_separation_multiplier :
-        Estimate of the factor on the geometry that the fit started from.
-    frame_x, frame_y, frame_yaw :
-        Estimate of the pose of the reference's frame on the robot [m], [m], [rad].
-    offsets, drifts :
-        Estimates for each segment: ``reference stamp = wheel stamp + offset + drift (stamp -
-        middle of the segment)`` [s], [s/s]; all offsets are the same for a delay.
-    names, covariance :
-        Names of what was fitted, and its covariance, shape (p, p).
-    variances :
+    left_wheel_radius_multiplier : Estimate
+        Factor on that of the geometry that the fit started from [1].
+    right_wheel_radius_multiplier : Estimate
+        Factor on that of the geometry [1].
+    wheel_separation_multiplier : Estimate
+        Factor on that of the geometry [1].
+    frame_x, frame_y, frame_yaw : Estimate
+        Pose of the reference's frame on the robot [m], [m], [rad].
+    offsets, drifts : tuple of Estimate
+        Those of each segment: ``reference stamp = wheel stamp + offset + drift (stamp - middle
+        of the segment)`` [s], [s/s]; all offsets are the same for a delay.
+    names : tuple of str
+        Names of the p parameters that were fitted.
+    covariance : numpy.ndarray, shape (p, p)
+        Their covariance.
+    variances : Variances
         Slip constant [m] and variances of the reference [m^2], [rad^2] that the errors of the
         windows amount to, systematic errors that are left included.
-    before, after :
+    before, after : Residual
         Residual of the windows, outliers aside: with the wheels as given but frame and clocks
         fitted, and with all fitted.
-    windows, in_gaps, outliers :
-        How many windows were fitted, had an end in a gap, or (of those fitted) count
-        nothing.
+    windows, in_gaps, outliers : int
+        How many windows were fitted, had an end in a gap, or (of those fitted) count nothing.
+
+    Examples
+    --------
+    See :func:`fit_trajectory`.
 
     """
 
@@ -167,17 +204,56 @@ class TrajectoryFit:
 
     @property
     def frame(self) -> Pose:
-        """Return the pose of the reference's frame on the robot."""
+        """Pose of the reference's frame on the robot."""
         return Pose(self.frame_x.value, self.frame_y.value, self.frame_yaw.value)
 
     def corrected(self, geometry: WheelGeometry) -> WheelGeometry:
-        """Return the geometry with the fitted factors on its multipliers."""
+        """
+        Return the geometry with the fitted factors on its multipliers.
+
+        Parameters
+        ----------
+        geometry : WheelGeometry
+            Geometry that the fit started from.
+
+        Returns
+        -------
+        WheelGeometry
+            The same nominal lengths with other multipliers.
+
+        Raises
+        ------
+        ValueError
+            If a corrected length is out of range.
+
+        Examples
+        --------
+        See :func:`fit_trajectory`.
+
+        """
         return replace(
             geometry,
             **{name: getattr(geometry, name) * getattr(self, name).value for name in WHEELS})
 
     def systematic(self, segment: int) -> Systematic:
-        """Return what is systematic about a segment, relative to the geometry of the fit."""
+        """
+        Return what is systematic about a segment, relative to the geometry of the fit.
+
+        Parameters
+        ----------
+        segment : int
+            Index of the segment, from 0.
+
+        Returns
+        -------
+        Systematic
+            Factors, frame and clock, without errors.
+
+        Examples
+        --------
+        See :func:`fit_trajectory`.
+
+        """
         fields = (*WHEELS, *FRAME)
         values = dict(zip(Systematic._fields, (getattr(self, name).value for name in fields)))
         return Systematic(
@@ -213,11 +289,31 @@ def fit_trajectory(
     windows : Windows
         Which windows are fitted.
 
+    Returns
+    -------
+    TrajectoryFit
+        Estimates, their covariance, and the residual before and after.
+
     Raises
     ------
     ValueError
         If there is no segment, nothing to fit, too few windows, a number that is not finite, a
         parameter that the data do not identify, or no end of the iteration.
+
+    Examples
+    --------
+    A robot whose wheels are 0.51 m apart instead of 0.5 m, with a reference at its centre:
+
+    >>> from diffdrive_kinematics.core.recording import segment_from_rates
+    >>> from diffdrive_kinematics.core.trajectory_windows import odometry_at
+    >>> geometry, stamps = WheelGeometry(0.5, 0.125), np.arange(0.0, 60.0, 0.5)
+    >>> rates = 8.0 + 4.0 * np.stack([np.sin(stamps), np.cos(0.7 * stamps)], axis=1)
+    >>> bare = segment_from_rates(stamps, rates, stamps, np.zeros((120, 3)))
+    >>> truth = odometry_at(WheelGeometry(0.51, 0.125), bare, Systematic())
+    >>> fit = fit_trajectory(
+    ...     geometry, [replace(bare, reference=truth)], frame=NO_FRAME, clock=Clock.NONE)
+    >>> f'{fit.systematic(0).separation:.3f}, {fit.corrected(geometry).separation:.3f} m'
+    '1.020, 0.510 m'
 
     """
     problem = _problem(geometry, segments, wheels, clock, frame, windows)

@@ -47,9 +47,25 @@ class Systematic(NamedTuple):
     """
     What is systematic about one segment.
 
-    Factors on both radii and the separation; pose of the reference's frame on the robot ([m],
-    [m], [rad]); and the clocks: ``reference stamp = wheel stamp + offset + drift (stamp - middle
-    of the segment)`` [s], [s/s].  A delay with which commands are followed is an offset.
+    Parameters
+    ----------
+    left, right, separation : float
+        Factors on both radii and the separation [1].
+    x, y : float
+        Position of the reference's frame on the robot [m].
+    yaw : float
+        Its heading on the robot [rad].
+    offset : float
+        Part of ``reference stamp = wheel stamp + offset + drift (stamp - middle of the
+        segment)`` [s].  A delay with which commands are followed is an offset.
+    drift : float
+        Rate of the two clocks against each other [s/s].
+
+    Examples
+    --------
+    >>> Systematic(separation=1.02).left
+    1.0
+
     """
 
     left: float = 1.0
@@ -63,7 +79,21 @@ class Systematic(NamedTuple):
 
 
 class WindowSet(NamedTuple):
-    """Rows of the reference at which windows start and end, and windows lost to gaps."""
+    """
+    Rows of the reference at which windows start and end.
+
+    Parameters
+    ----------
+    start, end : numpy.ndarray of int, shape (w,)
+        Rows of the reference.
+    in_gaps : int
+        Windows that were lost to gaps.
+
+    Examples
+    --------
+    See :func:`windows_between`.
+
+    """
 
     start: Indices
     end: Indices
@@ -77,22 +107,26 @@ class Linearised:
 
     Parameters
     ----------
-    error : array, shape (w, 3)
-        (x [m], y [m], theta [rad]).
-    jacobian : array, shape (w, 3, 8)
+    error : numpy.ndarray, shape (w, 3)
+        Errors (x [m], y [m], theta [rad]).
+    jacobian : numpy.ndarray, shape (w, 3, 8)
         Derivatives with respect to the fields of :class:`Systematic`.
-    slip : array, shape (w, 3, 3)
+    slip : numpy.ndarray, shape (w, 3, 3)
         A_l + A_r: covariance for a slip constant of 1 m.
-    at_start, at_end : array, shape (w, 3, 3)
+    at_start, at_end : numpy.ndarray, shape (w, 3, 3)
         Derivatives with respect to errors (x, y, yaw) of the reference's samples.
-    along : array, shape (w, 3, 3)
+    along : numpy.ndarray, shape (w, 3, 3)
         What maps the sum of the a of a window's travel to its error.
-    elements : array, shape (n - 1, 2, 3)
-        a of each interval and wheel.
-    travel : array, shape (n - 1, 2)
-        Its travel [m].
-    first, last : array of int, shape (w,)
+    elements : numpy.ndarray, shape (n - 1, 2, 3)
+        The a of each interval and wheel (see the head of this module).
+    travel : numpy.ndarray, shape (n - 1, 2)
+        Travel of each interval and wheel [m].
+    first, last : numpy.ndarray of int, shape (w,)
         Intervals in which the windows start and end.
+
+    Examples
+    --------
+    See :func:`linearised`.
 
     """
 
@@ -108,7 +142,19 @@ class Linearised:
     last: Indices
 
     def noise(self) -> Array:
-        """Return N_p and N_h, covariances for a noise of 1 m^2 and 1 rad^2, (2, w, 3, 3)."""
+        """
+        Return N_p and N_h, the covariances for a noise of the reference of 1 m^2 and 1 rad^2.
+
+        Returns
+        -------
+        numpy.ndarray, shape (2, w, 3, 3)
+            N_p and N_h of each window, for errors (x [m], y [m], theta [rad]).
+
+        Examples
+        --------
+        See :func:`linearised`.
+
+        """
         ends = np.stack([self.at_start, self.at_end])
         return np.stack([np.einsum('ewij,ewkj->wik', part, part)
                          for part in (ends[..., :2], ends[..., 2:])])
@@ -126,11 +172,37 @@ class _Nodes(NamedTuple):
 def windows_between(
         segment: Segment, lengths: Sequence[float], every: float, tolerance: float) -> WindowSet:
     """
-    Return windows of each of some lengths [s] that start every ``every`` seconds.
+    Return windows of some lengths that start at even times.
 
     Each begins and ends at the reference's sample nearest to where it should.  A window with no
-    sample within the tolerance [s] lies in a gap; one in which no wheel turns is left out, too,
+    sample within the tolerance lies in a gap; one in which no wheel turns is left out, too,
     as are those beyond the stamps of the wheels.
+
+    Parameters
+    ----------
+    segment : Segment
+        Wheels and reference of one drive.
+    lengths : sequence of float
+        Lengths of the windows [s].
+    every : float
+        Time from the start of one to that of the next [s].
+    tolerance : float
+        How far a sample may be from where a window should start or end [s].
+
+    Returns
+    -------
+    WindowSet
+        Windows of the first length, then of the next one.
+
+    Examples
+    --------
+    >>> from diffdrive_kinematics.core.recording import segment_from_rates
+    >>> stamps = np.arange(5.0)
+    >>> drive = segment_from_rates(stamps, np.full((5, 2), 8.0), stamps, np.zeros((5, 3)))
+    >>> windows = windows_between(drive, lengths=(2.0,), every=1.0, tolerance=0.1)
+    >>> windows.start.tolist(), windows.end.tolist()
+    ([0, 1, 2], [2, 3, 4])
+
     """
     seen = segment.reference_time
     low, high = max(seen[0], segment.time[0]), min(seen[-1], segment.time[-1])
@@ -152,7 +224,32 @@ def windows_between(
 
 
 def odometry_at(geometry: WheelGeometry, segment: Segment, systematic: Systematic) -> Array:
-    """Return what odometry says at the samples of the reference, shape (m, 3), from (0, 0, 0)."""
+    """
+    Return what odometry says at the samples of the reference, from (0, 0, 0).
+
+    Parameters
+    ----------
+    geometry : WheelGeometry
+        Size and spacing of the wheels.
+    segment : Segment
+        Wheels, and stamps of the m samples.
+    systematic : Systematic
+        Factors on the geometry, and the clocks; the reference's frame does not matter.
+
+    Returns
+    -------
+    numpy.ndarray, shape (m, 3)
+        Poses (x [m], y [m], theta [rad]) of the robot's centre, theta not wrapped.
+
+    Examples
+    --------
+    >>> from diffdrive_kinematics.core.recording import segment_from_rates
+    >>> stamps = np.arange(5.0)
+    >>> drive = segment_from_rates(stamps, np.full((5, 2), 8.0), stamps, np.zeros((5, 3)))
+    >>> odometry_at(WheelGeometry(0.5, 0.125), drive, Systematic())[:, 0].round(6)
+    array([0., 1., 2., 3., 4.])
+
+    """
     travel, separation = _travel(geometry, segment, systematic)
     return _at_nodes(segment, systematic, travel, separation, _path(travel, separation)).pose
 
@@ -160,7 +257,38 @@ def odometry_at(geometry: WheelGeometry, segment: Segment, systematic: Systemati
 def linearised(
         geometry: WheelGeometry, segment: Segment, windows: WindowSet,
         systematic: Systematic) -> Linearised:
-    """Return the errors of windows and their derivatives, for the systematic errors given."""
+    """
+    Return the errors of windows and their derivatives, for the systematic errors given.
+
+    Parameters
+    ----------
+    geometry : WheelGeometry
+        Size and spacing of the wheels.
+    segment : Segment
+        Wheels and reference of one drive.
+    windows : WindowSet
+        Its windows.
+    systematic : Systematic
+        Where to linearise.
+
+    Returns
+    -------
+    Linearised
+        Errors and derivatives of each window.
+
+    Examples
+    --------
+    A reference that stands still, while the wheels say 1 m for each window of 1 s:
+
+    >>> from diffdrive_kinematics.core.recording import segment_from_rates
+    >>> stamps = np.arange(3.0)
+    >>> drive = segment_from_rates(stamps, np.full((3, 2), 8.0), stamps, np.zeros((3, 3)))
+    >>> windows = windows_between(drive, (1.0,), every=1.0, tolerance=0.1)
+    >>> part = linearised(WheelGeometry(0.5, 0.125), drive, windows, Systematic())
+    >>> part.error[:, 0].round(6), part.noise().shape
+    (array([-1., -1.]), (2, 2, 3, 3))
+
+    """
     travel, separation = _travel(geometry, segment, systematic)
     path = _path(travel, separation)
     nodes = _at_nodes(segment, systematic, travel, separation, path)

@@ -46,14 +46,27 @@ FEWEST_RUNS = 2
 
 
 class ReturnError(NamedTuple):
-    """True position minus that of odometry [m] at the end of a run, in the frame of its start."""
+    """
+    True position minus that of odometry at the end of a run, in the frame of its start.
+
+    Parameters
+    ----------
+    x, y : float
+        The error [m].
+
+    Examples
+    --------
+    >>> ReturnError(x=0.3, y=-0.4).distance
+    0.5
+
+    """
 
     x: float
     y: float
 
     @property
     def distance(self) -> float:
-        """Return the length of the error [m]."""
+        """Length of the error [m]."""
         return math.hypot(self.x, self.y)
 
 
@@ -69,7 +82,7 @@ class Umbmark:
     Parameters
     ----------
     side : float
-        Of the square [m].
+        Side of the square [m].
     clockwise, counterclockwise : ReturnError
         Centres of gravity.
     clockwise_after, counterclockwise_after : ReturnError
@@ -78,13 +91,17 @@ class Umbmark:
     alpha, beta : Estimate
         Errors of a turn and along a side [rad]; see :mod:`.square_errors`.
     separation_ratio, diameter_ratio : Estimate
-        E_b and E_d.
+        E_b and E_d [1].
     error_before : float
         E_max,syst: distance [m] of the farther centre of gravity.
     error_after : float
-        The same of the centres after the correction.
+        The same of the centres after the correction [m].
     degrees_of_freedom : int
-        Of the scatter that the errors come from: the number of runs less 2.
+        Those of the scatter that the errors come from: the number of runs less 2.
+
+    Examples
+    --------
+    See :func:`umbmark`.
 
     """
 
@@ -114,20 +131,37 @@ def umbmark(
     Parameters
     ----------
     geometry : WheelGeometry
-        That odometry used.
+        Geometry that odometry used.
     side : float
-        Of the square [m], as :func:`.square_course` drives it.  Up to 12 wheel separations two
-        passes are enough for errors of 1 % and 2 % of E_d and E_b; longer ones need more.
+        Side of the square [m], as :func:`.square_course` drives it.  Up to 12 wheel separations
+        two passes are enough for errors of 1 % and 2 % of E_d and E_b; longer ones need more.
     clockwise, counterclockwise : sequence of ReturnError
         At least 2 runs each.
     corner_radius : float
-        Of the square's corners [m], at most half the side; 0 = turns on the spot.
+        Radius of the square's corners [m], at most half the side; 0 = turns on the spot.
+
+    Returns
+    -------
+    Umbmark
+        Errors of separation and diameters, and what they leave.
 
     Raises
     ------
     ValueError
         If the side or radius is out of range, there are too few runs, an error is not finite,
         or the errors are too large: for the first order, or to tell E_d.
+
+    Examples
+    --------
+    A robot that turns too little, since its wheels are farther apart than it believes:
+
+    >>> geometry = WheelGeometry(0.5, 0.125)
+    >>> found = umbmark(geometry, 4.0, clockwise=2 * [ReturnError(-0.16, -0.16)],
+    ...                 counterclockwise=2 * [ReturnError(-0.16, 0.16)])
+    >>> f'E_b = {found.separation_ratio.value:.4f}, E_d = {found.diameter_ratio.value:.4f}'
+    'E_b = 1.0129, E_d = 1.0000'
+    >>> f'{corrected(geometry, found).separation:.4f} m'
+    '0.5064 m'
 
     """
     courses = [
@@ -159,10 +193,26 @@ def corrected(geometry: WheelGeometry, result: Umbmark) -> WheelGeometry:
     equal, the paper's ``c_L = 2 / (E_d + 1)``, ``c_R = 2 / (1 / E_d + 1)``.  The mean radius
     has to be measured by itself, along a straight line.
 
+    Parameters
+    ----------
+    geometry : WheelGeometry
+        Geometry that odometry used in the runs.
+    result : Umbmark
+        What the runs have shown.
+
+    Returns
+    -------
+    WheelGeometry
+        The same nominal lengths with other multipliers.
+
     Raises
     ------
     ValueError
         If a corrected length is out of range.
+
+    Examples
+    --------
+    See :func:`umbmark`.
 
     """
     return _corrected(geometry, result.separation_ratio.value, result.diameter_ratio.value)

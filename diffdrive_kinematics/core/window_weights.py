@@ -49,7 +49,47 @@ MEDIAN = 1.5382
 
 
 class Variances(NamedTuple):
-    """Slip constant of both wheels [m]; variances of the reference's position, heading."""
+    """
+    Variances that the errors of windows are made of.
+
+    Parameters
+    ----------
+    slip : float
+        Slip constant of both wheels [m].
+    position : float
+        Variance of the reference's x and y [m^2].
+    heading : float
+        Variance of its heading [rad^2].
+
+    Examples
+    --------
+    The noise of a reference, found from windows of 1 s of a straight drive:
+
+    >>> from dataclasses import replace
+    >>> from diffdrive_kinematics.core import trajectory_windows as tw
+    >>> from diffdrive_kinematics.core.geometry import WheelGeometry
+    >>> from diffdrive_kinematics.core.recording import segment_from_rates
+    >>> geometry, stamps = WheelGeometry(0.5, 0.125), np.arange(500.0)
+    >>> bare = segment_from_rates(stamps, np.full((500, 2), 8.0), stamps, np.zeros((500, 3)))
+    >>> noise = np.random.default_rng(1).normal(0.0, 0.01, (500, 3))
+    >>> drive = replace(
+    ...     bare, reference=tw.odometry_at(geometry, bare, tw.Systematic()) + noise)
+    >>> windows = tw.windows_between(drive, (1.0,), every=1.0, tolerance=0.1)
+    >>> part = tw.linearised(geometry, drive, windows, tw.Systematic())
+    >>> covariance = window_covariance(part, START_VARIANCES)
+    >>> nothing = np.zeros_like(covariance)  # no parameter has been fitted
+    >>> found = updated_variances(
+    ...     [part], distance(part.error, 1e3 * covariance), nothing, START_VARIANCES, steps=20)
+    >>> f'{found.position**0.5:.2f} m, {found.heading**0.5:.2f} rad'
+    '0.01 m, 0.01 rad'
+
+    What the separation, third of the fields of Systematic, makes of the score:
+
+    >>> gain = np.linalg.solve(covariance, part.jacobian[:, :, 2:3]).transpose(0, 2, 1)
+    >>> score_covariance(part, windows, gain, found, samples=500).shape
+    (1, 1)
+
+    """
 
     slip: float
     position: float
@@ -62,7 +102,26 @@ FLOOR = Variances(1e-14, 1e-12, 1e-12)
 
 
 def window_covariance(part: Linearised, variances: Variances) -> Array:
-    """Return P of each window, shape (w, 3, 3)."""
+    """
+    Return the covariance P of the error of each window.
+
+    Parameters
+    ----------
+    part : Linearised
+        The w windows of one segment.
+    variances : Variances
+        Slip constant and noise of the reference.
+
+    Returns
+    -------
+    numpy.ndarray, shape (w, 3, 3)
+        Covariances of (x [m], y [m], theta [rad]).
+
+    Examples
+    --------
+    See :class:`Variances`.
+
+    """
     position, heading = part.noise()
     covariance: Array = (variances.slip * part.slip + variances.position * position
                          + variances.heading * heading)
@@ -70,14 +129,54 @@ def window_covariance(part: Linearised, variances: Variances) -> Array:
 
 
 def distance(error: Array, covariance: Array) -> Array:
-    """Return ``sqrt(e^T P^-1 e)`` of each window (Mahalanobis 1936)."""
+    """
+    Return ``sqrt(e^T P^-1 e)`` of each window (Mahalanobis 1936).
+
+    Parameters
+    ----------
+    error : numpy.ndarray, shape (w, 3)
+        Errors e of the windows (x [m], y [m], theta [rad]).
+    covariance : numpy.ndarray, shape (w, 3, 3)
+        Their covariances P.
+
+    Returns
+    -------
+    numpy.ndarray, shape (w,)
+        Distances [1].
+
+    Examples
+    --------
+    >>> distance(np.array([[0.02, 0.0, 0.0]]), np.diag([1e-4, 1e-4, 1e-4])[None]).round(6)
+    array([2.])
+
+    """
     solved = np.linalg.solve(covariance, error[..., None])[..., 0]
     found: Array = np.sqrt(np.einsum('wi,wi->w', error, solved))
     return found
 
 
 def window_weights(distances: Array, trust: float) -> Array:
-    """Return weights of windows: 1 up to ``trust``, then as of Huber (1964), 0 for outliers."""
+    """
+    Return weights of windows: 1 up to ``trust``, then as of Huber (1964), 0 for outliers.
+
+    Parameters
+    ----------
+    distances : numpy.ndarray, shape (w,)
+        Distances of the windows, of :func:`distance` [1].
+    trust : float
+        Distance up to which a window counts in full [1].
+
+    Returns
+    -------
+    numpy.ndarray, shape (w,)
+        Weights from 0 to 1.
+
+    Examples
+    --------
+    >>> window_weights(np.array([1.0, 8.0, 100.0]), trust=4.0)
+    array([1. , 0.5, 0. ])
+
+    """
     huber = trust / np.maximum(distances, trust)
     weights: Array = huber * np.clip(0.5 * (REJECTED - distances), 0.0, 1.0)
     return weights
@@ -89,11 +188,32 @@ def updated_variances(
     """
     Return the variances after some steps towards those of greatest likelihood.
 
-    Distances tell the credible windows, which alone count.  ``taken``, shape (w, 3, 3), is the
-    covariance ``J C J^T`` that the fit of the parameters takes out of the errors; without it
-    the variances would come out too small (as without the n - 1 of a sample).  The noise keeps a
-    share of the errors: P that is nearly singular, all slip, would trust a few directions without
-    bound.
+    The credible windows alone count.  Without ``taken`` the variances would come out too small
+    (as without the n - 1 of a sample).  The noise keeps a share of the errors: P that is nearly
+    singular, all slip, would trust a few directions without bound.
+
+    Parameters
+    ----------
+    parts : sequence of Linearised
+        Windows of each segment, w in all.
+    distances : numpy.ndarray, shape (w,)
+        Distances of the windows [1]; they tell which ones are credible.
+    taken : numpy.ndarray, shape (w, 3, 3)
+        Covariance ``J C J^T`` that the fit of the parameters takes out of the errors.
+    variances : Variances
+        Where to start.
+    steps : int
+        How many steps to take (Zhou et al. 2019; see the head of this module).
+
+    Returns
+    -------
+    Variances
+        The variances after the steps.
+
+    Examples
+    --------
+    See :class:`Variances`.
+
     """
     weights = np.clip(0.5 * (CREDIBLE + 2.0 - distances), 0.0, 1.0)
     error = np.concatenate([part.error for part in parts])
@@ -123,9 +243,30 @@ def score_covariance(
         part: Linearised, windows: WindowSet, gain: Array, variances: Variances,
         samples: int) -> Array:
     """
-    Return S of one segment, shape (p, p), from its ``gain`` ``J^T P^-1``, shape (w, p, 3).
+    Return the covariance S of the score ``sum J^T P^-1 e`` of one segment.
 
-    ``samples`` is the number of samples of the reference.
+    Parameters
+    ----------
+    part : Linearised
+        The w windows of the segment.
+    windows : WindowSet
+        Rows at which they start and end.
+    gain : numpy.ndarray, shape (w, p, 3)
+        Factor ``J^T P^-1`` of each window, for p parameters.
+    variances : Variances
+        Slip constant and noise of the reference.
+    samples : int
+        Number of samples of the reference.
+
+    Returns
+    -------
+    numpy.ndarray, shape (p, p)
+        S, in the inverse squared units of the parameters.
+
+    Examples
+    --------
+    See :class:`Variances`.
+
     """
     size = gain.shape[1]
     pulled = gain @ part.along
