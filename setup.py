@@ -81,6 +81,7 @@ setup(
             'diff_drive_controller = diffdrive_kinematics.executables:diff_drive_controller',
             'diffdrive_sim = diffdrive_kinematics.executables:diffdrive_sim',
             'forward_projection = diffdrive_kinematics.executables:forward_projection',
+            'goal_steering = diffdrive_kinematics.executables:goal_steering',
             'plot_paths = diffdrive_kinematics.executables:plot_paths',
             'robot_description = diffdrive_kinematics.executables:robot_description',
             'simulated_base = diffdrive_kinematics.executables:simulated_base',

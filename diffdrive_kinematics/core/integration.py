@@ -71,8 +71,8 @@ def euler(
     """
     Return the state after a time, by Euler's method.
 
-    ``x' = x + h f(x, t_k)``, sampled at the start of each step (LaValle, Mobile Robotics, eq. 2.17).
-    The error falls with the first power of the step h.
+    ``x' = x + h f(x, t_k)``, sampled at the start of each step (LaValle, Mobile Robotics,
+    eq. 2.17).  The error falls with the first power of the step h.
 
     Parameters
     ----------

@@ -30,7 +30,8 @@ PURE = {
 NODE_MODULES = {
     f'{PACKAGE}.nodes.{name}' for name in (
         'diff_drive_controller', 'wheel_noise', 'simulated_base', 'command_sequence',
-        'diffdrive_sim', 'forward_projection', 'plot_paths', 'robot_description')}
+        'diffdrive_sim', 'forward_projection', 'goal_steering', 'plot_paths',
+        'robot_description')}
 COMPOSER = f'{PACKAGE}.nodes.diffdrive_sim'
 
 

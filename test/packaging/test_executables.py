@@ -24,8 +24,8 @@ import pytest
 
 PACKAGE_NAME = 'diffdrive_kinematics'
 EXECUTABLES = ('calibrate', 'command_sequence', 'diff_drive_controller', 'diffdrive_sim',
-               'forward_projection', 'plot_paths', 'robot_description', 'simulated_base',
-               'wheel_noise')
+               'forward_projection', 'goal_steering', 'plot_paths', 'robot_description',
+               'simulated_base', 'wheel_noise')
 
 
 def colcon_directory():
