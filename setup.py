@@ -15,6 +15,7 @@
 """Build and install diffdrive_kinematics, with pip or with colcon."""
 
 from glob import glob
+from os.path import isfile
 
 from setuptools import find_packages, setup
 
@@ -48,7 +49,8 @@ setup(
     data_files=[
         ('share/ament_index/resource_index/packages', ['resource/' + PACKAGE_NAME]),
         ('share/' + PACKAGE_NAME, ['package.xml']),
-        ('share/' + PACKAGE_NAME + '/config', sorted(glob('config/*'))),
+        ('share/' + PACKAGE_NAME + '/config', sorted(filter(isfile, glob('config/*')))),
+        ('share/' + PACKAGE_NAME + '/config/figures', sorted(glob('config/figures/*'))),
     ],
     python_requires='>=3.10',
     install_requires=['setuptools', 'numpy'],

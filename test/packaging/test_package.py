@@ -103,7 +103,8 @@ def test_every_configuration_is_installed(declared):
     files = {str(path.relative_to(ROOT)) for path in (ROOT / 'config').rglob('*')
              if path.is_file()}
     installed = dict(declared['data_files'])
-    assert set(installed[f'share/{PACKAGE.name}/config']) == files
+    assert {name for directory, names in installed.items() for name in names
+            if directory == f'share/{PACKAGE.name}/{Path(name).parent}'} == files
 
 
 def test_the_ament_index_knows_the_package(declared):

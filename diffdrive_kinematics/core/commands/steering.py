@@ -35,7 +35,7 @@ from typing import NamedTuple, Protocol
 
 from diffdrive_kinematics.core.angles import wrap_angle
 from diffdrive_kinematics.core.arc import Pose, sinc
-from diffdrive_kinematics.core.checks import check_length, check_positive
+from diffdrive_kinematics.core.checks import check_length, check_positive, LARGEST
 from diffdrive_kinematics.core.drive import Twist
 
 __all__ = [
@@ -84,6 +84,7 @@ class SteeringLimits:
 
     def scaled(self, v: float, w: float) -> Twist:
         """Return the twist, made smaller by one factor where a part is too large."""
+        v, w = (max(-LARGEST, min(value, LARGEST)) for value in (v, w))
         factor = max(1.0, abs(v) / self.max_speed, abs(w) / self.max_yaw_rate)
         return Twist(v / factor, w / factor)
 
