@@ -21,9 +21,10 @@ All slow down in proportion to the way that is left and keep :class:`SteeringLim
 :class:`Approach` notices that a robot comes no nearer.
 """
 
+from diffdrive_kinematics.core.commands.pose_controller import PoseController
 from diffdrive_kinematics.core.commands.pursuit import Points, points_of, PurePursuit, Pursued
 from diffdrive_kinematics.core.commands.steering import (
-    Approach, HeadingRegulator, Law, PointForward, PoseController, Steered, SteeringLimits)
+    Approach, HeadingRegulator, Law, PointForward, Steered, SteeringLimits)
 
 __all__ = [
     'Approach', 'HeadingRegulator', 'Law', 'PointForward', 'Points', 'PoseController',

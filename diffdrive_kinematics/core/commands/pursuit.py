@@ -36,10 +36,21 @@ class Points:
     """
     A path along straight lines from point to point (x, y) [m].
 
+    Parameters
+    ----------
+    points : tuple of (float, float)
+        Points (x, y) [m], one or more.
+
     Raises
     ------
     ValueError
         If there are no points, or a number is not finite or absurdly large.
+
+    Examples
+    --------
+    >>> path = Points(((0.0, 0.0), (1.0, 0.0), (1.0, 1.0)))
+    >>> path.length, path.at(1.5), path.nearest(0.5, 0.2, 0.0, 2.0)
+    (2.0, (1.0, 0.5), 0.5)
 
     """
 
@@ -69,12 +80,54 @@ class Points:
         return float(self.along[-1])
 
     def at(self, along: float) -> Tuple[float, float]:
-        """Return the point after a way [m]; the last one where that is longer."""
+        """
+        Return the point after a way [m]; the last one where that is longer.
+
+        Parameters
+        ----------
+        along : float
+            Way [m] from the first point.
+
+        Returns
+        -------
+        x : float
+            Of the point [m].
+        y : float
+            Of the point [m].
+
+        Examples
+        --------
+        See :class:`Points`.
+
+        """
         x, y = (float(np.interp(along, self.along, column)) for column in self.corners.T)
         return x, y
 
     def nearest(self, x: float, y: float, least: float, most: float) -> float:
-        """Return the way [m], from ``least`` to ``most``, to what is nearest to (x, y)."""
+        """
+        Return the way [m], from ``least`` to ``most``, to what is nearest to (x, y).
+
+        Parameters
+        ----------
+        x : float
+            Of the place [m].
+        y : float
+            Of the place [m].
+        least : float
+            Where to begin to look [m].
+        most : float
+            Where to end [m].
+
+        Returns
+        -------
+        float
+            Way [m] from the first point.
+
+        Examples
+        --------
+        See :class:`Points`.
+
+        """
         if len(self.points) == 1:
             return 0.0
         begin, step = self.corners[:-1], np.diff(self.corners, axis=0)
@@ -91,7 +144,21 @@ class Points:
 
 
 class Pursued(NamedTuple):
-    """What to do, and how far along the path [m] the robot is."""
+    """
+    What to do, and how far along the path the robot is.
+
+    Parameters
+    ----------
+    steered : Steered
+        What to do.
+    along : float
+        Way [m] from the first point of the path.
+
+    Examples
+    --------
+    See :class:`PurePursuit`.
+
+    """
 
     steered: Steered
     along: float
@@ -123,8 +190,9 @@ class PurePursuit:
     Examples
     --------
     >>> path = Points(((0.0, 0.0), (1.0, 0.0), (1.0, 1.0)))
-    >>> steered, along = PurePursuit(lookahead=0.5).pursued(Pose(0.8, 0.1, 0.0), path, 0.0)
-    >>> round(along, 9), round(steered.distance, 9), steered.twist.w > 0.0
+    >>> law = PurePursuit(lookahead=0.5)
+    >>> pursued: Pursued = law.pursued(Pose(0.8, 0.1, 0.0), path, 0.0)
+    >>> round(pursued.along, 9), round(pursued.steered.distance, 9), pursued.steered.twist.w > 0.0
     (0.8, 1.2, True)
 
     """
@@ -140,7 +208,28 @@ class PurePursuit:
         check_positive('distance_gain', self.distance_gain)
 
     def pursued(self, pose: Pose, path: Points, along: float) -> Pursued:
-        """Return what to do at a pose, ``along`` being how far along [m] the robot has come."""
+        """
+        Return what to do at a pose, ``along`` being how far along [m] the robot has come.
+
+        Parameters
+        ----------
+        pose : Pose
+            Where the robot is.
+        path : Points
+            Path to follow.
+        along : float
+            How far along [m] the robot has come; 0 at first.
+
+        Returns
+        -------
+        Pursued
+            What to do, and how far along it is now.
+
+        Examples
+        --------
+        See :class:`PurePursuit`.
+
+        """
         x, y = float(pose.x), float(pose.y)
         along = path.nearest(x, y, along, along + 2.0 * self.lookahead)
         end_x, end_y = path.at(math.inf)
@@ -162,6 +251,21 @@ class PurePursuit:
 def points_of(poses: Sequence[Pose]) -> Points:
     """
     Return the path through the positions of poses.
+
+    Parameters
+    ----------
+    poses : sequence of Pose
+        Poses, one or more.
+
+    Returns
+    -------
+    Points
+        Path through them.
+
+    Raises
+    ------
+    ValueError
+        As :class:`Points`.
 
     Examples
     --------

@@ -34,19 +34,37 @@ import math
 from typing import NamedTuple, Protocol
 
 from diffdrive_kinematics.core.angles import wrap_angle
-from diffdrive_kinematics.core.arc import Pose, sinc
+from diffdrive_kinematics.core.arc import Pose
 from diffdrive_kinematics.core.checks import check_length, check_positive, LARGEST
 from diffdrive_kinematics.core.drive import Twist
 
 __all__ = [
-    'Approach', 'HeadingRegulator', 'Law', 'PointForward', 'PoseController', 'Steered',
-    'SteeringLimits']
+    'Approach', 'HeadingRegulator', 'Law', 'PointForward', 'Steered', 'SteeringLimits']
 
 STILL = Twist(0.0, 0.0)
 
 
 class Steered(NamedTuple):
-    """What to do: a twist, distance [m] and turn [rad] that are left, and whether that is all."""
+    """
+    What to do, and what is left to do.
+
+    Parameters
+    ----------
+    twist : Twist
+        Twist to drive.
+    distance : float
+        Way that is left [m].
+    turn : float
+        Turn that is left [rad], 0 where it does not count.
+    arrived : bool
+        Whether that is all.
+
+    Examples
+    --------
+    >>> Steered(STILL, 0.01, 0.0, True).arrived
+    True
+
+    """
 
     twist: Twist
     distance: float
@@ -61,15 +79,24 @@ class SteeringLimits:
 
     Parameters
     ----------
-    max_speed, max_yaw_rate : float
-        Bounds of v [m/s] and w [rad/s], either way.
-    distance_tolerance, yaw_tolerance : float
-        Of the goal [m] and of its yaw [rad].
+    max_speed : float
+        Bound of v [m/s], either way.
+    max_yaw_rate : float
+        Bound of w [rad/s], either way.
+    distance_tolerance : float
+        Distance to the goal [m] that is near enough.
+    yaw_tolerance : float
+        Yaw off the goal [rad] that is near enough.
 
     Raises
     ------
     ValueError
         If a value is not finite and above 0.
+
+    Examples
+    --------
+    >>> SteeringLimits(max_speed=0.2, max_yaw_rate=1.0).scaled(0.1, 2.0)
+    Twist(v=0.05, w=1.0)
 
     """
 
@@ -83,16 +110,70 @@ class SteeringLimits:
             check_positive(name, value)
 
     def scaled(self, v: float, w: float) -> Twist:
-        """Return the twist, made smaller by one factor where a part is too large."""
+        """
+        Return the twist, made smaller by one factor where a part is too large.
+
+        Parameters
+        ----------
+        v : float
+            Speed [m/s].
+        w : float
+            Yaw rate [rad/s].
+
+        Returns
+        -------
+        Twist
+            Twist within the bounds, of the same curvature.
+
+        Examples
+        --------
+        See :class:`SteeringLimits`.
+
+        """
         v, w = (max(-LARGEST, min(value, LARGEST)) for value in (v, w))
         factor = max(1.0, abs(v) / self.max_speed, abs(w) / self.max_yaw_rate)
         return Twist(v / factor, w / factor)
 
 
 class Law(Protocol):
-    """What steers a robot from any pose to a goal."""
+    """
+    What steers a robot from any pose to a goal.
 
-    def steered(self, pose: Pose, goal: Pose) -> Steered: ...  # noqa: D102
+    Parameters
+    ----------
+    *args, **kwargs
+        What a protocol takes: nothing.
+
+    Examples
+    --------
+    >>> law: Law = HeadingRegulator()
+    >>> law.steered(Pose(0.0, 0.0, 0.0), Pose(0.1, 0.0, 0.0)).twist
+    Twist(v=0.1, w=0.0)
+
+    """
+
+    def steered(self, pose: Pose, goal: Pose) -> Steered:
+        """
+        Return what to do at a pose.
+
+        Parameters
+        ----------
+        pose : Pose
+            Where the robot is.
+        goal : Pose
+            Where it shall be.
+
+        Returns
+        -------
+        Steered
+            What to do.
+
+        Examples
+        --------
+        See :class:`Law`.
+
+        """
+        ...
 
 
 @dataclass(frozen=True)
@@ -106,8 +187,10 @@ class HeadingRegulator:
 
     Parameters
     ----------
-    heading_gain, distance_gain : float
-        k and k_v [1/s].
+    heading_gain : float
+        Gain k [1/s].
+    distance_gain : float
+        Gain k_v [1/s].
     limits : SteeringLimits
         Bounds and tolerances; the yaw of the goal does not count.
 
@@ -137,7 +220,26 @@ class HeadingRegulator:
                 f'{self.distance_gain!r}')
 
     def steered(self, pose: Pose, goal: Pose) -> Steered:
-        """Return what to do at a pose."""
+        """
+        Return what to do at a pose.
+
+        Parameters
+        ----------
+        pose : Pose
+            Where the robot is.
+        goal : Pose
+            Where it shall be.
+
+        Returns
+        -------
+        Steered
+            What to do.
+
+        Examples
+        --------
+        See :class:`HeadingRegulator`.
+
+        """
         (x, y, theta), (goal_x, goal_y, _) = map(float, pose), map(float, goal)
         dx, dy = goal_x - x, goal_y - y
         distance = math.hypot(dx, dy)
@@ -161,7 +263,7 @@ class PointForward:
     Parameters
     ----------
     offset : float
-        b [m], of the point ahead of the axle.
+        Distance b [m] of the point ahead of the axle.
     distance_gain : float
         Of the velocity, over the distance [1/s].
     limits : SteeringLimits
@@ -188,7 +290,26 @@ class PointForward:
         check_positive('distance_gain', self.distance_gain)
 
     def steered(self, pose: Pose, goal: Pose) -> Steered:
-        """Return what to do at a pose."""
+        """
+        Return what to do at a pose.
+
+        Parameters
+        ----------
+        pose : Pose
+            Where the robot is.
+        goal : Pose
+            Where it shall be.
+
+        Returns
+        -------
+        Steered
+            What to do.
+
+        Examples
+        --------
+        See :class:`PointForward`.
+
+        """
         (x, y, theta), (goal_x, goal_y, _) = map(float, pose), map(float, goal)
         c, s = math.cos(theta), math.sin(theta)
         dx, dy = goal_x - x - self.offset * c, goal_y - y - self.offset * s
@@ -201,81 +322,52 @@ class PointForward:
             False)
 
 
-@dataclass(frozen=True)
-class PoseController:
+class Approach(NamedTuple):
     """
-    To a position and a yaw on a smooth curve, with a Lyapunov function.
-
-    With rho the distance, alpha the goal's bearing from the robot and beta the bearing from the
-    yaw of the goal, ``v = g cos(alpha) rho`` and
-    ``w = k alpha + g cos(alpha) sinc(alpha) (alpha + h beta)`` make
-    ``V = (rho^2 + alpha^2 + h beta^2) / 2`` fall: ``V' = -g cos^2(alpha) rho^2 - k alpha^2``, from
-    every start (Aicardi, Casalino, Bicchi & Balestrino 1995, Closed loop steering of unicycle-like
-    vehicles via Lyapunov techniques, IEEE Robotics & Automation Magazine 2(1), eqs. 3 to 8).  A
-    common factor of v and w does not change the sign of V'.  At alpha = +-pi it turns away from
-    there, so that no error changes its sign.  Within the tolerance it turns on the spot.
+    How near the robot has come so far, and since when [ns] it has come no nearer.
 
     Parameters
     ----------
-    distance_gain, heading_gain : float
-        g and k [1/s].
-    yaw_weight : float
-        h; beta vanishes before rho where ``k >= 2 g sqrt(h)`` and h > 1.
-    limits : SteeringLimits
-        Bounds and tolerances.
-
-    Raises
-    ------
-    ValueError
-        If a gain or the weight is not above 0.
+    distance : float
+        Least way that was left so far [m].
+    turn : float
+        Least turn that was left so far [rad].
+    since_ns : int
+        Since when [ns] it has come no nearer.
 
     Examples
     --------
-    >>> law = PoseController()
-    >>> law.steered(Pose(0.0, 0.0, 0.0), Pose(1.0, 0.0, 0.0)).twist
-    Twist(v=0.2, w=0.0)
-    >>> law.steered(Pose(1.0, 0.0, 0.3), Pose(1.0, 0.0, 0.0)).twist.v
-    0.0
+    >>> steered = Steered(STILL, 0.5, 0.0, False)
+    >>> Approach(1.0, 0.0, 0).looked(steered, 7)
+    Approach(distance=0.5, turn=0.0, since_ns=7)
 
     """
-
-    distance_gain: float = 0.8
-    heading_gain: float = 2.4
-    yaw_weight: float = 2.0
-    limits: SteeringLimits = SteeringLimits()
-
-    def __post_init__(self) -> None:
-        for name in ('distance_gain', 'heading_gain', 'yaw_weight'):
-            check_positive(name, getattr(self, name))
-
-    def steered(self, pose: Pose, goal: Pose) -> Steered:
-        """Return what to do at a pose."""
-        (x, y, theta), (goal_x, goal_y, goal_theta) = map(float, pose), map(float, goal)
-        dx, dy = goal_x - x, goal_y - y
-        distance, turn = math.hypot(dx, dy), wrap_angle(goal_theta - theta)
-        if distance <= self.limits.distance_tolerance:
-            arrived = abs(turn) <= self.limits.yaw_tolerance
-            twist = STILL if arrived else self.limits.scaled(0.0, self.heading_gain * turn)
-            return Steered(twist, distance, turn, arrived)
-        bearing = math.atan2(dy, dx)
-        alpha, beta = wrap_angle(bearing - theta), wrap_angle(bearing - goal_theta)
-        forward = self.distance_gain * math.cos(alpha)
-        return Steered(self.limits.scaled(
-            forward * distance,
-            self.heading_gain * alpha
-            + forward * float(sinc(alpha)) * (alpha + self.yaw_weight * beta)),
-            distance, turn, False)
-
-
-class Approach(NamedTuple):
-    """How near the robot has come so far, and since when [ns] it has come no nearer."""
 
     distance: float
     turn: float
     since_ns: int
 
     def looked(self, steered: Steered, now_ns: int) -> 'Approach':
-        """Return the approach after a look: nearer by a millimetre or a hundredth of a radian."""
+        """
+        Return the approach after a look: nearer by a millimetre or a hundredth of a radian.
+
+        Parameters
+        ----------
+        steered : Steered
+            What is left now.
+        now_ns : int
+            Time of the look [ns].
+
+        Returns
+        -------
+        Approach
+            With the least of before and now.
+
+        Examples
+        --------
+        See :class:`Approach`.
+
+        """
         distance, turn = steered.distance, abs(steered.turn)
         if distance < self.distance - 1e-3 or turn < self.turn - 1e-2:
             return Approach(min(distance, self.distance), min(turn, self.turn), now_ns)

@@ -24,14 +24,16 @@ wheels turn.  A :class:`Disturbance` of the commands makes :func:`sample_paths` 
 bounded, the :func:`reachable_boundary`.  All take arrays of robots as well as one.
 """
 
+from diffdrive_kinematics.core.models.augmentation import Augmented, augmented
+from diffdrive_kinematics.core.models.cars import (
+    ackermann_car, car, front_wheel_angles, least_turning_radius)
 from diffdrive_kinematics.core.models.disturbance import (
     bounded, Disturbance, disturbed, sample_paths, Step)
 from diffdrive_kinematics.core.models.reach import reachable_boundary
 from diffdrive_kinematics.core.models.robots import (
-    ackermann_car, bicycle, car, differential_drive, front_drive_tricycle, front_wheel_angles,
-    least_turning_radius, rear_wheels_tricycle, tricycle, unicycle)
+    bicycle, differential_drive, front_drive_tricycle, rear_wheels_tricycle, tricycle, unicycle)
 from diffdrive_kinematics.core.models.system import (
-    admitted, Augmented, augmented, check_command, ControlSystem, Quantity, Rolling, Vector)
+    admitted, check_command, ControlSystem, Quantity, Rolling, Vector)
 from diffdrive_kinematics.core.models.transitions import (
     transition, transition_euler, transition_runge_kutta)
 from diffdrive_kinematics.core.models.wheels import Motion, rolling_centre, RollingCentre, Wheel

@@ -55,6 +55,14 @@ class Disturbance:
         If a deviation is below 0 or not finite, their numbers differ, or the distribution is
         none.
 
+    Examples
+    --------
+    >>> errors = Disturbance((0.1, 0.0), (0.0, 0.2), 'triangular')
+    >>> errors.deviations((1.0, 0.5))
+    (0.1, 0.1)
+    >>> [round(bound, 3) for bound in errors.bounds((1.0, 0.5))]
+    [0.245, 0.245]
+
     """
 
     absolute: Tuple[float, ...]
@@ -71,12 +79,46 @@ class Disturbance:
             check_non_negative('a deviation', value)
 
     def deviations(self, command: Vector) -> Vector:
-        """Return the standard deviation of each error."""
+        """
+        Return the standard deviation of each error.
+
+        Parameters
+        ----------
+        command : tuple of float or numpy.ndarray
+            Command u that is asked for.
+
+        Returns
+        -------
+        tuple of float or numpy.ndarray
+            Standard deviations, in the units of the commands.
+
+        Examples
+        --------
+        See :class:`Disturbance`.
+
+        """
         return tuple(a + r * abs(u) for a, r, u in zip(  # type: ignore[operator]
             self.absolute, self.relative, command, strict=True))
 
     def bounds(self, command: Vector) -> Vector:
-        """Return half the sides of the box W(u), ``inf`` where the distribution has no bound."""
+        """
+        Return half the sides of the box W(u), ``inf`` where the distribution has no bound.
+
+        Parameters
+        ----------
+        command : tuple of float or numpy.ndarray
+            Command u that is asked for.
+
+        Returns
+        -------
+        tuple of float or numpy.ndarray
+            Bounds of the errors, in the units of the commands.
+
+        Examples
+        --------
+        See :class:`Disturbance`.
+
+        """
         bound = unit_bound(self.distribution)
         return tuple(bound * deviation if np.any(deviation) else 0.0
                      for deviation in self.deviations(command))
@@ -87,6 +129,20 @@ def bounded(
         distribution: str = 'uniform') -> Disturbance:
     """
     Return the disturbance of a box W(u) with sides of +-(absolute + relative |u|).
+
+    Parameters
+    ----------
+    absolute : sequence of float
+        Bounds in the units of the commands.
+    relative : sequence of float
+        Bounds as fractions of the commands; none: 0.
+    distribution : str
+        One of the bounded ``distributions.DISTRIBUTIONS``.
+
+    Returns
+    -------
+    Disturbance
+        Errors of these bounds.
 
     Raises
     ------
@@ -112,6 +168,22 @@ def disturbed(
         generator: 'np.random.Generator') -> Vector:
     """
     Return n commands u + w, with w from p(w|u) (LaValle 2.36, 2.37).
+
+    Parameters
+    ----------
+    command : tuple of float or numpy.ndarray
+        Command u that is asked for.
+    disturbance : Disturbance
+        Of the commands.
+    n : int
+        Number of draws.
+    generator : numpy.random.Generator
+        Source of randomness.
+
+    Returns
+    -------
+    tuple of numpy.ndarray
+        Commands, an array of shape (n,) for each part.
 
     Raises
     ------

@@ -61,7 +61,7 @@ CORNERS = np.exp(0.25j * np.pi * np.arange(8)) / math.cos(0.125 * np.pi)
 """Of an octagon around the unit circle."""
 
 
-class Motions(NamedTuple):
+class _Motions(NamedTuple):
     """
     Lines through the (distance [m], turn [rad]) of a step, end by end, and what they miss.
 
@@ -84,18 +84,20 @@ def reachable_boundary(
     Parameters
     ----------
     system : Rolling
-        A robot with two commands that moves along arcs.
+        Robot with two commands that moves along arcs.
     start : tuple of float
-        x [m], y [m] and theta [rad].
+        Pose: x [m], y [m] and theta [rad].
     steps : sequence of (command, duration)
-        The commands, and for how long [s] each is held; at least one.
+        Commands, and for how long [s] each is held; at least one.
     disturbance : Disturbance
         Of a bounded distribution.
 
     Returns
     -------
-    (x, y) : arrays, shape (v,)
-        Vertices [m], counter-clockwise, not closed.
+    x : numpy.ndarray
+        Of the vertices [m], shape (v,), counter-clockwise, not closed.
+    y : numpy.ndarray
+        Of the vertices [m], shape (v,).
 
     Raises
     ------
@@ -107,8 +109,8 @@ def reachable_boundary(
     >>> from diffdrive_kinematics.core.models import bounded, unicycle
     >>> x, y = reachable_boundary(
     ...     unicycle(), (0.0, 0.0, 0.0), [((1.0, 0.0), 1.0)], bounded([0.1, 0.2]))
-    >>> round(x.max(), 3), round(y.max(), 2)
-    (np.float64(1.1), np.float64(0.11))
+    >>> round(float(x.max()), 2), round(float(y.max()), 2)
+    (1.1, 0.11)
 
     """
     if not steps:
@@ -129,7 +131,7 @@ def reachable_boundary(
 
 def _motions(
         system: Rolling, start: Vector, command: Vector, duration: float,
-        disturbance: Disturbance) -> Motions:
+        disturbance: Disturbance) -> _Motions:
     """Return the motions of the box of commands that is left of u + W(u) by the bounds U."""
     half = disturbance.bounds(command)
     if not all(map(math.isfinite, half)):
@@ -149,11 +151,11 @@ def _motions(
     ends = [np.stack([np.concatenate([grid[:-1].ravel(), grid[:, :-1].ravel()]),
                       np.concatenate([grid[1:].ravel(), grid[:, 1:].ravel()])]) for grid in (d, t)]
     edges = np.stack([t[0], t[-1], t[:, 0], t[:, -1]])
-    return Motions(ends[0], ends[1], edges, missed[0], missed[1])
+    return _Motions(ends[0], ends[1], edges, missed[0], missed[1])
 
 
 def _before(
-        polygon: Points, margin: float, motions: Motions, share: float) -> Tuple[Points, float]:
+        polygon: Points, margin: float, motions: _Motions, share: float) -> Tuple[Points, float]:
     """Return the set one step earlier, and how far the true one may reach beyond it [m]."""
     reach = float(np.max(np.abs(polygon))) + margin
     missed = 2.0 * (motions.missed_distance + motions.missed_turn * (
@@ -170,7 +172,7 @@ def _before(
     return simplified(outline, max(tolerance, sagitta)), max(tolerance, sagitta)
 
 
-def _slices(motions: Motions, reach: float, slices: int) -> Tuple[Array, Array, Array, float]:
+def _slices(motions: _Motions, reach: float, slices: int) -> Tuple[Array, Array, Array, float]:
     """
     Return turns [rad], the distances (low, high) [m] that go with each, and the sagitta [m].
 
@@ -193,7 +195,7 @@ def _slices(motions: Motions, reach: float, slices: int) -> Tuple[Array, Array, 
         0.125 * step * (step * (reach + far / 3.0) + slope)))
 
 
-def _spans(motions: Motions, turns: Array) -> Tuple[Array, Array]:
+def _spans(motions: _Motions, turns: Array) -> Tuple[Array, Array]:
     """Return the least and the largest distance [m] on lines that come to each turn."""
     (d0, d1), (t0, t1) = motions.distance, motions.turn
     size = float(np.ptp(motions.turn))

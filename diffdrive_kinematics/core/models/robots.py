@@ -21,18 +21,17 @@ from the rear axle to the front one, ``L`` that between the wheels of an axle.
 """
 
 import math
-from typing import Tuple
 
 from diffdrive_kinematics.core.arc import Scalar
 from diffdrive_kinematics.core.checks import check_length
 from diffdrive_kinematics.core.geometry import (
     pose_change_from_travel, twist_from_wheel_rates, WheelGeometry)
-from diffdrive_kinematics.core.models.system import Quantity, Rolling, Vector
+from diffdrive_kinematics.core.models.system import Quantity, Rolling
 import numpy as np
 
 __all__ = [
-    'ackermann_car', 'bicycle', 'car', 'differential_drive', 'front_drive_tricycle',
-    'front_wheel_angles', 'least_turning_radius', 'rear_wheels_tricycle', 'tricycle', 'unicycle']
+    'bicycle', 'both_ways', 'differential_drive', 'front_drive_tricycle', 'function_of',
+    'rear_wheels_tricycle', 'steering_bound', 'tricycle', 'unicycle']
 
 STEEPEST = math.radians(89.0)
 """Largest steering angle of a robot that is driven from the rear: at 90 degrees it skids."""
@@ -42,6 +41,23 @@ def unicycle(*, max_speed: float = math.inf, max_yaw_rate: float = math.inf) -> 
     """
     Return the unicycle, told its twist: ``v = s``, ``w = w`` (LaValle 2.18).
 
+    Parameters
+    ----------
+    max_speed : float
+        Bound of the speed [m/s], either way.
+    max_yaw_rate : float
+        Bound of the yaw rate [rad/s], either way.
+
+    Returns
+    -------
+    Rolling
+        The robot.
+
+    Raises
+    ------
+    ValueError
+        If a bound is not above 0.
+
     Examples
     --------
     >>> unicycle(max_speed=1.0).commands[0]
@@ -49,7 +65,7 @@ def unicycle(*, max_speed: float = math.inf, max_yaw_rate: float = math.inf) -> 
 
     """
     return Rolling(
-        (_both_ways('s', 'm/s', max_speed), _both_ways('w', 'rad/s', max_yaw_rate)),
+        (both_ways('s', 'm/s', max_speed), both_ways('w', 'rad/s', max_yaw_rate)),
         lambda u: (u[0], u[1]))
 
 
@@ -59,6 +75,23 @@ def differential_drive(geometry: WheelGeometry, *, max_wheel_rate: float = math.
 
     ``v = R (u_l + u_r) / 2``, ``w = R (u_r - u_l) / L``.
 
+    Parameters
+    ----------
+    geometry : WheelGeometry
+        Size and distance of the wheels.
+    max_wheel_rate : float
+        Bound of both rates [rad/s], either way.
+
+    Returns
+    -------
+    Rolling
+        The robot.
+
+    Raises
+    ------
+    ValueError
+        If the bound is not above 0.
+
     Examples
     --------
     >>> robot = differential_drive(WheelGeometry(0.2, 0.05))
@@ -67,7 +100,7 @@ def differential_drive(geometry: WheelGeometry, *, max_wheel_rate: float = math.
 
     """
     return Rolling(
-        (_both_ways('u_l', 'rad/s', max_wheel_rate), _both_ways('u_r', 'rad/s', max_wheel_rate)),
+        (both_ways('u_l', 'rad/s', max_wheel_rate), both_ways('u_r', 'rad/s', max_wheel_rate)),
         lambda u: twist_from_wheel_rates(geometry, *u))  # type: ignore[type-var]
 
 
@@ -83,11 +116,16 @@ def tricycle(
     Parameters
     ----------
     wheel_base : float
-        l [m].
+        Distance l [m] of the axles.
     max_steering : float
-        Bound of phi [rad], below pi / 2: there the front wheel would skid.
+        Bound of phi [rad], either way, below pi / 2.
     max_speed : float
-        Bound of s [m/s].
+        Bound of the speed [m/s], either way.
+
+    Returns
+    -------
+    Rolling
+        The robot.
 
     Raises
     ------
@@ -102,26 +140,13 @@ def tricycle(
 
     """
     check_length('wheel_base', wheel_base)
-    steering = _both_ways('phi', 'rad', _steering(max_steering))
-    return Rolling((_both_ways('s', 'm/s', max_speed), steering),
-                   lambda u: (u[0], u[0] * _of('tan', u[1]) / wheel_base))
+    steering = both_ways('phi', 'rad', steering_bound(max_steering))
+    return Rolling((both_ways('s', 'm/s', max_speed), steering),
+                   lambda u: (u[0], u[0] * function_of('tan', u[1]) / wheel_base))
 
 
 bicycle = tricycle
 """The bicycle with rear drive: the tricycle with its rear wheels in one place (2.19)."""
-
-
-def car(*, wheel_base: float, max_steering: float, max_speed: float = math.inf) -> Rolling:
-    """
-    Return the car whose front axle turns as one by a bounded phi, as a wagon's: a tricycle.
-
-    Examples
-    --------
-    >>> car(wheel_base=2.5, max_steering=0.6).commands[1]
-    Quantity(name='phi', unit='rad', low=-0.6, high=0.6)
-
-    """
-    return tricycle(wheel_base=wheel_base, max_steering=max_steering, max_speed=max_speed)
 
 
 def front_drive_tricycle(
@@ -132,6 +157,20 @@ def front_drive_tricycle(
 
     ``v = s_w cos(phi)``, ``w = s_w sin(phi) / l``: the distances from the turning centre give
     d_s = d_w r_c / r_w (LaValle, sec. 2.2.1).  At phi = pi / 2 it turns in place.
+
+    Parameters
+    ----------
+    wheel_base : float
+        Distance l [m] of the axles.
+    max_steering : float
+        Bound of phi [rad], either way.
+    max_speed : float
+        Bound of the speed of the front wheel [m/s], either way.
+
+    Returns
+    -------
+    Rolling
+        The robot.
 
     Raises
     ------
@@ -147,8 +186,8 @@ def front_drive_tricycle(
     """
     check_length('wheel_base', wheel_base)
     return Rolling(
-        (_both_ways('s_w', 'm/s', max_speed), _both_ways('phi', 'rad', max_steering)),
-        lambda u: (u[0] * _of('cos', u[1]), u[0] * _of('sin', u[1]) / wheel_base))
+        (both_ways('s_w', 'm/s', max_speed), both_ways('phi', 'rad', max_steering)),
+        lambda u: (u[0] * function_of('cos', u[1]), u[0] * function_of('sin', u[1]) / wheel_base))
 
 
 def rear_wheels_tricycle(*, track: float, max_speed: float = math.inf) -> Rolling:
@@ -157,6 +196,18 @@ def rear_wheels_tricycle(*, track: float, max_speed: float = math.inf) -> Rollin
 
     ``v = (v_l + v_r) / 2``, ``w = (v_r - v_l) / L``.  Its front wheel only follows, turned by
     ``atan2(w l, v)``.
+
+    Parameters
+    ----------
+    track : float
+        Distance L [m] of the wheels of an axle.
+    max_speed : float
+        Bound of the speed of both wheels [m/s], either way.
+
+    Returns
+    -------
+    Rolling
+        The robot.
 
     Raises
     ------
@@ -171,120 +222,95 @@ def rear_wheels_tricycle(*, track: float, max_speed: float = math.inf) -> Rollin
     """
     geometry = WheelGeometry(check_length('track', track), 1.0)
     return Rolling(
-        (_both_ways('v_l', 'm/s', max_speed), _both_ways('v_r', 'm/s', max_speed)),
+        (both_ways('v_l', 'm/s', max_speed), both_ways('v_r', 'm/s', max_speed)),
         lambda u: pose_change_from_travel(geometry, *u))  # type: ignore[type-var]
 
 
-def ackermann_car(
-        *, wheel_base: float, track: float, max_steering: float, max_speed: float = math.inf
-) -> Rolling:
+def both_ways(name: str, unit: str, bound: float) -> Quantity:
     """
-    Return the car with Ackermann steering (s, phi), phi the angle of the inner front wheel.
-
-    The inner wheel is the one that turns more, and comes to its stop first:
-    ``(r_c - L/2) tan(phi) = l``, so that ``w / v = tan(phi) / (l + L/2 |tan(phi)|)`` (LaValle 2.8
-    and 2.9, put right).
+    Return a quantity with one bound both ways.
 
     Parameters
     ----------
-    wheel_base, track : float
-        l and L [m].
-    max_steering : float
-        Bound of phi [rad], below pi / 2.
-    max_speed : float
-        Bound of s [m/s].
+    name : str
+        What it is called.
+    unit : str
+        Its unit.
+    bound : float
+        Largest value, above 0.
+
+    Returns
+    -------
+    Quantity
+        From -bound to bound.
 
     Raises
     ------
     ValueError
-        If a length is none, or the bound of phi not between 0 and pi / 2.
+        If the bound is not above 0.
 
     Examples
     --------
-    >>> v, w = ackermann_car(wheel_base=2.0, track=1.0, max_steering=1.0).twist(
-    ...     (1.0, math.pi / 4))
-    >>> round(v / w, 9)
-    2.5
+    >>> both_ways('s', 'm/s', 2.0)
+    Quantity(name='s', unit='m/s', low=-2.0, high=2.0)
 
     """
-    check_length('wheel_base', wheel_base)
-    half = 0.5 * check_length('track', track)
-    steering = _both_ways('phi', 'rad', _steering(max_steering))
-
-    def twist(command: Vector) -> Tuple[Scalar, Scalar]:
-        slope = _of('tan', command[1])
-        return command[0], command[0] * slope / (wheel_base + half * _of('fabs', slope))
-
-    return Rolling((_both_ways('s', 'm/s', max_speed), steering), twist)
-
-
-def front_wheel_angles(
-        *, wheel_base: float, track: float, curvature: float) -> Tuple[float, float]:
-    """
-    Return the angles (left, right) [rad] of a car's front wheels that roll on one circle.
-
-    ``(r_c -+ L/2) tan(phi) = l`` with r_c = 1 / curvature (LaValle 2.8 and 2.9, put right).
-
-    Raises
-    ------
-    ValueError
-        If a length is none, or the turning centre lies between the rear wheels.
-
-    Examples
-    --------
-    >>> left, right = front_wheel_angles(wheel_base=2.0, track=1.0, curvature=0.4)
-    >>> round(left, 9) == round(math.pi / 4, 9), round(math.tan(right), 9)
-    (True, 0.666666667)
-
-    """
-    check_length('wheel_base', wheel_base)
-    half = 0.5 * check_length('track', track) * curvature
-    if not abs(half) < 1.0:
-        raise ValueError(
-            f'curvature is {curvature!r}, expected below {2.0 / track!r} either way, where the '
-            'turning centre is beside the car')
-    slope = wheel_base * curvature
-    return math.atan2(slope, 1.0 - half), math.atan2(slope, 1.0 + half)
-
-
-def least_turning_radius(
-        *, wheel_base: float, max_steering: float, track: float = 0.0) -> float:
-    """
-    Return the least radius [m] of the circle of the middle of the rear axle.
-
-    ``l / tan(phi) + L/2``: L is that of Ackermann steering, whose phi is that of the inner wheel,
-    and 0 where one wheel or the axle is steered.
-
-    Raises
-    ------
-    ValueError
-        If a length is none, or the bound of phi not between 0 and pi / 2.
-
-    Examples
-    --------
-    >>> round(least_turning_radius(wheel_base=2.0, track=1.0, max_steering=math.pi / 4), 9)
-    2.5
-
-    """
-    check_length('wheel_base', wheel_base)
-    if track:
-        check_length('track', track)
-    return wheel_base / math.tan(_steering(max_steering)) + 0.5 * track
-
-
-def _both_ways(name: str, unit: str, bound: float) -> Quantity:
     if not bound > 0.0:
         raise ValueError(f'the bound of {name} is {bound!r} {unit}, expected above 0')
     return Quantity(name, unit, -bound, bound)
 
 
-def _of(function: str, angle: Scalar) -> Scalar:
-    """Return tan, sin, cos or fabs of a float as a float, of an array as an array."""
+def function_of(function: str, angle: Scalar) -> Scalar:
+    """
+    Return tan, sin, cos or fabs of a float as a float, of an array as an array.
+
+    Parameters
+    ----------
+    function : str
+        Name that it has in math and in numpy.
+    angle : float or numpy.ndarray
+        What it is taken of [rad].
+
+    Returns
+    -------
+    float or numpy.ndarray
+        Its value.
+
+    Examples
+    --------
+    >>> function_of('cos', 0.0)
+    1.0
+
+    """
     value: Scalar = getattr(np if isinstance(angle, np.ndarray) else math, function)(angle)
     return value
 
 
-def _steering(bound: float) -> float:
+def steering_bound(bound: float) -> float:
+    """
+    Return the bound of a steering angle, or raise.
+
+    Parameters
+    ----------
+    bound : float
+        Largest angle [rad].
+
+    Returns
+    -------
+    float
+        The bound.
+
+    Raises
+    ------
+    ValueError
+        If it is not between 0 and pi / 2.
+
+    Examples
+    --------
+    >>> steering_bound(0.5)
+    0.5
+
+    """
     if not 0.0 < bound < 0.5 * math.pi:
         raise ValueError(f'max_steering is {bound!r} rad, expected between 0 and pi / 2')
     return bound

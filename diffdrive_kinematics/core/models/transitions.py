@@ -37,12 +37,19 @@ def transition(
     ----------
     system : ControlSystem
         What moves.
-    state, command : tuple
-        x and u, in the order of ``system.states`` and ``system.commands``.
+    state : tuple of float or numpy.ndarray
+        State x, in the order of ``states``.
+    command : tuple of float or numpy.ndarray
+        Command u, in the order of ``commands``.
     duration : float
-        Time [s]; below 0: where it came from.
+        For how long [s] the command is held; below 0: where it came from.
     step : float
         Longest Runge-Kutta step [s].
+
+    Returns
+    -------
+    tuple of float or numpy.ndarray
+        State x after that time.
 
     Raises
     ------
@@ -74,6 +81,24 @@ def transition_euler(
     """
     Return the state after a held command by ``steps`` Euler steps (LaValle 2.17).
 
+    Parameters
+    ----------
+    system : ControlSystem
+        What moves.
+    state : tuple of float or numpy.ndarray
+        State x, in the order of ``states``.
+    command : tuple of float or numpy.ndarray
+        Command u, in the order of ``commands``.
+    duration : float
+        For how long [s] the command is held; below 0: where it came from.
+    steps : int
+        Number of steps of equal length.
+
+    Returns
+    -------
+    tuple of float or numpy.ndarray
+        State x after that time.
+
     Raises
     ------
     ValueError
@@ -96,6 +121,24 @@ def transition_runge_kutta(
         steps: int) -> Vector:
     """
     Return the state after a held command by ``steps`` Runge-Kutta steps (LaValle 2.20).
+
+    Parameters
+    ----------
+    system : ControlSystem
+        What moves.
+    state : tuple of float or numpy.ndarray
+        State x, in the order of ``states``.
+    command : tuple of float or numpy.ndarray
+        Command u, in the order of ``commands``.
+    duration : float
+        For how long [s] the command is held; below 0: where it came from.
+    steps : int
+        Number of steps of equal length.
+
+    Returns
+    -------
+    tuple of float or numpy.ndarray
+        State x after that time.
 
     Raises
     ------

@@ -28,7 +28,23 @@ TOLERANCE = 1e-9
 
 
 class Wheel(NamedTuple):
-    """Where a wheel touches the ground (x, y) [m], and the direction [rad] in which it rolls."""
+    """
+    A wheel on the ground.
+
+    Parameters
+    ----------
+    x : float
+        Where it touches the ground [m].
+    y : float
+        Where it touches the ground [m].
+    direction : float
+        Direction in which it rolls [rad].
+
+    Examples
+    --------
+    See :func:`rolling_centre`.
+
+    """
 
     x: float
     y: float
@@ -36,7 +52,14 @@ class Wheel(NamedTuple):
 
 
 class Motion(Enum):
-    """How a vehicle on wheels can move without any of them skidding."""
+    """
+    How a vehicle on wheels can move without any of them skidding.
+
+    Examples
+    --------
+    See :class:`RollingCentre`.
+
+    """
 
     TURN = 'about one point'
     STRAIGHT = 'along one direction'
@@ -45,7 +68,24 @@ class Motion(Enum):
 
 
 class RollingCentre(NamedTuple):
-    """How wheels can roll, and the point (x, y) [m]; infinite for STRAIGHT, else NaN for none."""
+    """
+    How wheels can roll, and about which point.
+
+    Parameters
+    ----------
+    motion : Motion
+        What they can do.
+    x : float
+        Of the point [m]; infinite for STRAIGHT, else NaN for none.
+    y : float
+        Of the point [m], alike.
+
+    Examples
+    --------
+    >>> RollingCentre(Motion.TURN, 0.0, 2.0).motion.value
+    'about one point'
+
+    """
 
     motion: Motion
     x: float
