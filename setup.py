@@ -88,6 +88,7 @@ setup(
             'robot_description = diffdrive_kinematics.executables:robot_description',
             'simulated_base = diffdrive_kinematics.executables:simulated_base',
             'wheel_noise = diffdrive_kinematics.executables:wheel_noise',
+            'wheel_odometry = diffdrive_kinematics.executables:wheel_odometry',
         ],
     },
 )

@@ -27,7 +27,7 @@ import sys
 __all__ = [
     'calibrate', 'command_sequence', 'diff_drive_controller', 'diffdrive_sim',
     'forward_projection', 'goal_steering', 'plot_paths', 'robot_description', 'simulated_base',
-    'wheel_noise']
+    'wheel_noise', 'wheel_odometry']
 
 
 def _start(name: str) -> None:
@@ -88,3 +88,8 @@ def simulated_base() -> None:
 def wheel_noise() -> None:
     """Run ``wheel_noise``."""
     _start('wheel_noise')
+
+
+def wheel_odometry() -> None:
+    """Run ``wheel_odometry``."""
+    _start('wheel_odometry')

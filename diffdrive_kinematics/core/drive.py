@@ -31,7 +31,8 @@ from diffdrive_kinematics.core.checks import (
 from diffdrive_kinematics.core.compensated import RunningSum
 from diffdrive_kinematics.core.geometry import wheel_rates_from_twist, WheelGeometry
 from diffdrive_kinematics.core.limits import AxisLimits
-from diffdrive_kinematics.core.saturation import saturate, SaturatedRates
+from diffdrive_kinematics.core.ramp import ramp_step
+from diffdrive_kinematics.core.saturation import saturate, wheel_bound, WheelBound
 
 __all__ = ['Drive', 'DriveSettings', 'DriveTelling', 'Twist']
 
@@ -39,7 +40,21 @@ NANOSECONDS = 1e9
 
 
 class Twist(NamedTuple):
-    """Forward speed v [m/s] and yaw rate w [rad/s]."""
+    """
+    A twist of the robot.
+
+    Parameters
+    ----------
+    v : float
+        Forward speed [m/s].
+    w : float
+        Yaw rate [rad/s], counter-clockwise positive.
+
+    Examples
+    --------
+    See :class:`Drive`.
+
+    """
 
     v: float
     w: float
@@ -71,6 +86,13 @@ class DriveSettings:
     ValueError
         If a value is out of its range.
 
+    Examples
+    --------
+    >>> settings = DriveSettings(
+    ...     WheelGeometry(0.5, 0.125), AxisLimits(max_acceleration=1.0), publish_rate=100.0)
+    >>> settings.ramps, settings.period_ns, settings.wheel_bound
+    (True, 10000000, None)
+
     """
 
     geometry: WheelGeometry
@@ -93,13 +115,38 @@ class DriveSettings:
         return self.linear.ramps or self.angular.ramps
 
     @cached_property
+    def wheel_bound(self) -> Optional[WheelBound]:
+        """Return the twists that the wheels can do; None where ``max_wheel_rate`` is no bound."""
+        bounded = math.isfinite(self.max_wheel_rate)
+        return wheel_bound(self.geometry, self.max_wheel_rate) if bounded else None
+
+    @cached_property
     def period_ns(self) -> int:
         """Length of a step of the ramp [ns]."""
         return max(1, round(NANOSECONDS / self.publish_rate))
 
 
 class DriveTelling(NamedTuple):
-    """What to tell at ``stamp_ns``: wheel rates [rad/s], angles [rad], (left, right), twist."""
+    """
+    What to tell at a time.
+
+    Parameters
+    ----------
+    stamp_ns : int
+        The time [ns].
+    rates : pair of float
+        Wheel rates (left, right) [rad/s] from then on.
+    angles : pair of float
+        Angles (left, right) [rad] commanded up to then.
+    twist : Twist
+        What the rates amount to.
+
+    Examples
+    --------
+    >>> DriveTelling(0, rates=(4.0, 4.0), angles=(0.0, 0.0), twist=Twist(0.5, 0.0)).twist.v
+    0.5
+
+    """
 
     stamp_ns: int
     rates: Tuple[float, float]
@@ -116,7 +163,7 @@ class Drive(NamedTuple):
     settings : DriveSettings
         Geometry and limits.
     since_ns : int
-        Time of the last change of the rates.
+        Time of the last change of the rates [ns].
     target : Twist
         What was asked for.
     twist, before : Twist
@@ -126,13 +173,27 @@ class Drive(NamedTuple):
     left, right : RunningSum
         Angle [rad] commanded up to ``since_ns``.
     deadline_ns : int or None
-        When the command ends; None: it does not, or has.
+        When the command ends [ns]; None: it does not, or has.
     step_ns : int or None
-        Time of the ramp's next step; None: the twist is settled.
+        Time of the ramp's next step [ns]; None: the twist is settled.
     saturated, limited : int
         How many commands or steps the wheel rate bound, or a limit, has cut.
     timeouts : int
         How many commands to move have ended because no other came.
+
+    Examples
+    --------
+    A command holds for half a second, as no other comes:
+
+    >>> settings = DriveSettings(WheelGeometry(0.5, 0.125), cmd_vel_timeout=0.5)
+    >>> drive, changes = Drive(settings, since_ns=0).commanded(Twist(0.5, 1.0), 1_000_000_000)
+    >>> changes[0].stamp_ns, changes[0].rates
+    (1000000000, (2.0, 6.0))
+    >>> drive.told(1_250_000_000).angles
+    (0.5, 1.5)
+    >>> drive, changes = drive.advanced(2_000_000_000)
+    >>> changes[0].stamp_ns, changes[0].rates, changes[0].angles
+    (1500000000, (0.0, 0.0), (1.0, 3.0))
 
     """
 
@@ -157,10 +218,28 @@ class Drive(NamedTuple):
         The change is never before the last one: at its time or later by 1 ns.  While a ramp is
         under way a command only moves the target, and the ramp's next step heads for it.
 
+        Parameters
+        ----------
+        target : Twist
+            What is asked for.
+        stamp_ns : int
+            Time of the command [ns].
+
+        Returns
+        -------
+        drive : Drive
+            The drive after the command.
+        changes : list of DriveTelling
+            The changes on the way, in order of time.
+
         Raises
         ------
         ValueError
             If the twist or its wheel rates are not finite or absurdly large.
+
+        Examples
+        --------
+        See :class:`Drive`.
 
         """
         rates = wheel_rates_from_twist(self.settings.geometry, *target)
@@ -178,7 +257,26 @@ class Drive(NamedTuple):
         return drive, changes
 
     def advanced(self, now_ns: int) -> Tuple['Drive', List[DriveTelling]]:
-        """Return the drive at ``now_ns`` and the changes due until then, ramps and watchdog."""
+        """
+        Return the drive at a time and the changes due until then, ramps and watchdog.
+
+        Parameters
+        ----------
+        now_ns : int
+            The time [ns].
+
+        Returns
+        -------
+        drive : Drive
+            The drive at the time.
+        changes : list of DriveTelling
+            The changes on the way, in order of time.
+
+        Examples
+        --------
+        See :class:`Drive`.
+
+        """
         drive: Drive = self
         changes: List[DriveTelling] = []
         while True:
@@ -195,25 +293,94 @@ class Drive(NamedTuple):
             changes += change
 
     def told(self, now_ns: int) -> DriveTelling:
-        """Return what holds at ``now_ns`` (at the last change where that is later)."""
+        """
+        Return what holds at a time (at the last change where that is later).
+
+        Parameters
+        ----------
+        now_ns : int
+            The time [ns].
+
+        Returns
+        -------
+        DriveTelling
+            Wheel rates, angles and twist.
+
+        Examples
+        --------
+        See :class:`Drive`.
+
+        """
         stamp = max(now_ns, self.since_ns)
         left, right = self._angles(stamp)
         return DriveTelling(stamp, self.rates, (left.value, right.value), self.twist)
 
     def configured(
             self, settings: DriveSettings, now_ns: int) -> Tuple['Drive', List[DriveTelling]]:
-        """Return the drive under new settings from ``now_ns`` on: the same target anew."""
+        """
+        Return the drive under new settings from ``now_ns`` on: the same target anew.
+
+        Parameters
+        ----------
+        settings : DriveSettings
+            The new settings.
+        now_ns : int
+            Time from which they hold [ns].
+
+        Returns
+        -------
+        drive : Drive
+            The drive under them.
+        changes : list of DriveTelling
+            The changes on the way, in order of time.
+
+        Examples
+        --------
+        Wheels of twice the size turn half as fast:
+
+        >>> small = DriveSettings(WheelGeometry(0.5, wheel_radius=0.125))
+        >>> large = DriveSettings(WheelGeometry(0.5, wheel_radius=0.25))
+        >>> drive, _ = Drive(small, since_ns=0).commanded(Twist(0.5, 0.0), 1_000_000_000)
+        >>> drive.rates, drive.configured(large, now_ns=1_250_000_000)[0].rates
+        ((4.0, 4.0), (2.0, 2.0))
+
+        """
         drive, changes = self.advanced(now_ns)
         drive = drive._replace(settings=settings)
         if drive.step_ns is not None and settings.period_ns != self.settings.period_ns:
             drive = drive._on_grid_from(now_ns, settings.period_ns / self.settings.period_ns)
+        wheels = settings.geometry, settings.max_wheel_rate
+        if settings.ramps and wheels != (self.settings.geometry, self.settings.max_wheel_rate):
+            drive, change = drive._on_new_wheels(max(now_ns, drive.since_ns + 1))
+            changes += change
         if drive.step_ns is None or not settings.ramps:
             drive, change = drive._stepped(max(now_ns, drive.since_ns + 1))
             changes += change
         return drive, changes
 
     def halted(self, now_ns: int) -> 'Drive':
-        """Return the drive with its wheels at rest from ``now_ns`` on, whatever the limits."""
+        """
+        Return the drive with its wheels at rest from ``now_ns`` on, whatever the limits.
+
+        Parameters
+        ----------
+        now_ns : int
+            Time from which they rest [ns].
+
+        Returns
+        -------
+        Drive
+            The drive without a target; its angles and counts go on.
+
+        Examples
+        --------
+        >>> drive = Drive(DriveSettings(WheelGeometry(0.5, 0.125)), since_ns=0)
+        >>> drive, _ = drive.commanded(Twist(0.5, 0.0), 1_000_000_000)
+        >>> telling = drive.halted(1_250_000_000).told(1_500_000_000)
+        >>> telling.rates, telling.angles
+        ((0.0, 0.0), (1.0, 1.0))
+
+        """
         stamp = max(now_ns, self.since_ns + 1)
         left, right = self._angles(stamp)
         return Drive(
@@ -221,7 +388,25 @@ class Drive(NamedTuple):
             limited=self.limited, timeouts=self.timeouts)
 
     def clock_stepped(self, step_ns: int) -> 'Drive':
-        """Return the drive as it reads after the clock itself was stepped."""
+        """
+        Return the drive as it reads after the clock itself was stepped.
+
+        Parameters
+        ----------
+        step_ns : int
+            By how much the clock was stepped [ns].
+
+        Returns
+        -------
+        Drive
+            The drive with its times moved.
+
+        Examples
+        --------
+        >>> Drive(DriveSettings(WheelGeometry(0.5, 0.125)), since_ns=5).clock_stepped(-2).since_ns
+        3
+
+        """
         return self._replace(
             since_ns=self.since_ns + step_ns,
             deadline_ns=None if self.deadline_ns is None else self.deadline_ns + step_ns,
@@ -229,25 +414,35 @@ class Drive(NamedTuple):
 
     def _stepped(self, time_ns: int) -> Tuple['Drive', List[DriveTelling]]:
         """Take one step towards the target at ``time_ns``; without ramps it gets there."""
-        allowed = Twist(self.settings.linear.limit_velocity(self.target.v),
-                        self.settings.angular.limit_velocity(self.target.w))
-        goal, cut = self._saturated(allowed)
-        within_reach = self._towards(goal)
-        if within_reach is goal and cut.factor == 1.0:
-            twist, (left, right, factor) = goal, cut
-        else:
-            twist, (left, right, factor) = self._saturated(within_reach)
-        settled = not self.settings.ramps or twist == self.twist == self.before
+        settings = self.settings
+        allowed = Twist(settings.linear.limit_velocity(self.target.v),
+                        settings.angular.limit_velocity(self.target.w))
+        goal, rates, factor = self._saturated(allowed)
+        if factor < 1.0:
+            goal, rates, _ = self._saturated(goal)  # the rates of the twist as it was rounded
+        twist, settled, held_back = goal, not settings.ramps, False
+        if settings.ramps:
+            v, w, held_back = ramp_step(
+                goal, current=self.twist, before=self.before, dt=1.0 / settings.publish_rate,
+                linear=settings.linear, angular=settings.angular, bound=settings.wheel_bound)
+            twist = Twist(v, w)
+            rates = self._saturated(twist)[1]  # within the bound to the last digit
+            settled = twist == self.twist == self.before
         drive = self._replace(
-            twist=twist, before=self.twist,
-            step_ns=None if settled else time_ns + self.settings.period_ns,
-            saturated=self.saturated + (min(cut.factor, factor) < 1.0),
-            limited=self.limited + (allowed != self.target or within_reach != goal))
-        if (left, right) == self.rates and twist == self.twist:
+            twist=twist, before=self.twist if settings.ramps else twist,
+            step_ns=None if settled else time_ns + settings.period_ns,
+            saturated=self.saturated + (factor < 1.0 or held_back),
+            limited=self.limited + (allowed != self.target or twist != goal))
+        if rates == self.rates and twist == self.twist:
             return drive, []
-        angle_left, angle_right = self._angles(time_ns)
-        drive = drive._replace(
-            since_ns=time_ns, rates=(left, right), left=angle_left, right=angle_right)
+        return drive._turning(rates, time_ns)
+
+    def _turning(
+            self, rates: Tuple[float, float],
+            time_ns: int) -> Tuple['Drive', List[DriveTelling]]:
+        """Return the drive with other wheel rates from ``time_ns`` on, and the change."""
+        left, right = self._angles(time_ns)
+        drive = self._replace(since_ns=time_ns, rates=rates, left=left, right=right)
         return drive, [drive.told(time_ns)]
 
     def _on_grid_from(self, now_ns: int, ratio: float) -> 'Drive':
@@ -256,21 +451,21 @@ class Drive(NamedTuple):
                        self.twist.w - ratio * (self.twist.w - self.before.w))
         return self._replace(before=before, step_ns=now_ns + self.settings.period_ns)
 
-    def _saturated(self, twist: Twist) -> Tuple[Twist, SaturatedRates]:
-        rates = saturate(*wheel_rates_from_twist(self.settings.geometry, *twist),
-                         self.settings.max_wheel_rate)
-        return Twist(twist.v * rates.factor, twist.w * rates.factor), rates
+    def _on_new_wheels(self, time_ns: int) -> Tuple['Drive', List[DriveTelling]]:
+        """Hold new wheels at once: a twist beyond their bound is cut, and ramps on from there."""
+        twist, rates, factor = self._saturated(self.twist)
+        drive = self
+        if factor < 1.0:
+            step = time_ns + self.settings.period_ns if self.step_ns is None else self.step_ns
+            drive = self._replace(
+                twist=twist, before=twist, step_ns=step, saturated=self.saturated + 1)
+        return drive._turning(rates, time_ns) if rates != self.rates else (drive, [])
 
-    def _towards(self, goal: Twist) -> Twist:
-        """Return the twist a step nearer to the goal: a goal within reach keeps its curvature."""
-        if not self.settings.ramps:
-            return goal
-        dt = 1.0 / self.settings.publish_rate
-        return Twist(
-            self.settings.linear.limit(
-                goal.v, current=self.twist.v, before=self.before.v, dt=dt),
-            self.settings.angular.limit(
-                goal.w, current=self.twist.w, before=self.before.w, dt=dt))
+    def _saturated(self, twist: Twist) -> Tuple[Twist, Tuple[float, float], float]:
+        left, right, factor = saturate(
+            *wheel_rates_from_twist(self.settings.geometry, *twist),
+            self.settings.max_wheel_rate)
+        return Twist(twist.v * factor, twist.w * factor), (left, right), factor
 
     def _angles(self, time_ns: int) -> Tuple[RunningSum, RunningSum]:
         seconds = (time_ns - self.since_ns) / NANOSECONDS

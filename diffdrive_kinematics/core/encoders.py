@@ -30,7 +30,27 @@ __all__ = ['Encoder', 'PositionTrack', 'wrapped_increment']
 
 
 def wrapped_increment(increment: float, period: float) -> float:
-    """Return ``increment`` modulo ``period`` in (-period/2, period/2]; period 0: as it is."""
+    """
+    Return an increment modulo the range of the encoder.
+
+    Parameters
+    ----------
+    increment : float
+        Difference of two readings [rad].
+    period : float
+        Range of the encoder [rad]; 0: it does not wrap.
+
+    Returns
+    -------
+    float
+        The increment [rad] in (-period/2, period/2]; as it is where the encoder does not wrap.
+
+    Examples
+    --------
+    >>> wrapped_increment(-3.0, period=4.0), wrapped_increment(-3.0, period=0.0)
+    (1.0, -3.0)
+
+    """
     if not period:
         return increment
     remainder = math.remainder(increment, period)  # exact
@@ -49,6 +69,12 @@ class PositionTrack:
     positions : tuple of float
         The last readings [rad], one a wheel, without their wraps.
 
+    Examples
+    --------
+    >>> track = PositionTrack(period=4.0).followed((1.5, 0.0)).followed((-1.5, 0.5))
+    >>> track.positions
+    (2.5, 0.5)
+
     """
 
     period: float = 0.0
@@ -56,10 +82,25 @@ class PositionTrack:
 
     def followed(self, readings: Sequence[float]) -> 'PositionTrack':
         """
-        Return the track after further readings [rad], all finite.
+        Return the track after further readings.
 
         The first readings, and those of another number of wheels, are taken as they are.  What
         follows differs from the reading by a whole number of ranges, so rounding does not add up.
+
+        Parameters
+        ----------
+        readings : sequence of float
+            Positions that were read [rad], one a wheel, all finite.
+
+        Returns
+        -------
+        PositionTrack
+            The track with their positions.
+
+        Examples
+        --------
+        See :class:`PositionTrack`.
+
         """
         if not self.period or len(readings) != len(self.positions):
             return PositionTrack(self.period, tuple(readings))
@@ -86,6 +127,13 @@ class Encoder:
     ValueError
         If a value is not finite or is below 0.
 
+    Examples
+    --------
+    >>> Encoder(period=4.0).reading(2.5)
+    -1.5
+    >>> round(Encoder(resolution=360.0).reading(math.radians(1.5)), 6)  # 1 degree
+    0.017453
+
     """
 
     period: float = 0.0
@@ -96,7 +144,24 @@ class Encoder:
         check_non_negative('encoder resolution', self.resolution)
 
     def reading(self, angle: float) -> float:
-        """Return the position [rad] that is read at an angle [rad]: the tick passed last."""
+        """
+        Return the position that is read at an angle: the tick passed last.
+
+        Parameters
+        ----------
+        angle : float
+            What the wheel has rolled [rad].
+
+        Returns
+        -------
+        float
+            Position [rad].
+
+        Examples
+        --------
+        See :class:`Encoder`.
+
+        """
         ticked = self._last_tick(angle) if self.resolution else angle
         if not self.period:
             return ticked

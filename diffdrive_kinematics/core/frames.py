@@ -102,7 +102,7 @@ class OdometryHistory:
     >>> history = OdometryHistory((odometry,))
     >>> odometry, _ = odometry.received(WheelSample(0, (8.0, 8.0)), now_ns=0)
     >>> history = history.followed(odometry)
-    >>> history.pose_at(500_000_000, now_ns=1_000_000_000).x
+    >>> history.pose_at(500_000_000).x
     0.5
 
     """
@@ -134,18 +134,14 @@ class OdometryHistory:
         kept = self.past[:-1] if anchor == last else self.past
         return OdometryHistory((*kept, odometry)[-LONGEST:])
 
-    def pose_at(self, time_ns: int, now_ns: int) -> Pose:
+    def pose_at(self, time_ns: int) -> Pose:
         """
-        Return the pose at a time, when the own clock shows ``now_ns``.
-
-        Where the wheels are told by a clock far ahead of it, that is the pose of now.
+        Return the pose at a time [ns] on the own clock.
 
         Parameters
         ----------
         time_ns : int
             Time that is asked for [ns].
-        now_ns : int
-            What the own clock shows [ns].
 
         Returns
         -------
@@ -157,12 +153,10 @@ class OdometryHistory:
         See :class:`OdometryHistory`.
 
         """
-        if self.past[-1].is_ahead(now_ns):
-            return self.past[-1].at(now_ns).pose
         for odometry in reversed(self.past):
-            if _anchor(odometry) <= time_ns:
-                return odometry.at(time_ns, now_ns).pose
-        return self.past[0].at(time_ns, now_ns).pose
+            if odometry.clock.own_ns(_anchor(odometry)) <= time_ns:
+                return odometry.at(time_ns).pose
+        return self.past[0].at(time_ns).pose
 
 
 def _anchor(odometry: Odometry) -> int:

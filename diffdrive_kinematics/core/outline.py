@@ -34,16 +34,52 @@ JITTER = 1e-9
 """Of the size: moves points into general position, where no two segments overlap."""
 
 ATTEMPTS = 4
-BLOCK = 256
+BLOCK = 128
 
 
 def area(polygon: Points) -> float:
-    """Return the signed area [m^2], positive where counter-clockwise."""
+    """
+    Return the signed area of a polygon.
+
+    Parameters
+    ----------
+    polygon : numpy.ndarray of complex, shape (n,)
+        Its vertices [m].
+
+    Returns
+    -------
+    float
+        Area [m^2], positive where counter-clockwise.
+
+    Examples
+    --------
+    >>> area(np.array([0.0, 2.0, 2.0 + 1.0j, 1.0j]))
+    2.0
+
+    """
     return float(0.5 * np.sum(_cross(polygon, np.roll(polygon, -1))))
 
 
 def perimeter(polygon: Points) -> float:
-    """Return the length [m] of the boundary."""
+    """
+    Return the length of the boundary of a polygon.
+
+    Parameters
+    ----------
+    polygon : numpy.ndarray of complex, shape (n,)
+        Its vertices [m].
+
+    Returns
+    -------
+    float
+        Length [m].
+
+    Examples
+    --------
+    >>> perimeter(np.array([0.0, 2.0, 2.0 + 1.0j, 1.0j]))
+    6.0
+
+    """
     return float(np.sum(np.abs(np.roll(polygon, -1) - polygon)))
 
 
@@ -56,15 +92,30 @@ def outer_boundary(points: Points, segments: Pairs) -> Points:
 
     Parameters
     ----------
-    points : array of complex, shape (p,)
-        Ends of the segments.
-    segments : array of int, shape (s, 2)
+    points : numpy.ndarray of complex, shape (p,)
+        Ends of the segments [m].
+    segments : numpy.ndarray of int, shape (s, 2)
         Indices of the ends.
+
+    Returns
+    -------
+    numpy.ndarray of complex, shape (n,)
+        Vertices [m], counter-clockwise, not closed.
 
     Raises
     ------
     RuntimeError
         If the walk does not come back in any of four attempts.
+
+    Examples
+    --------
+    A square with its diagonals, which cross:
+
+    >>> corners = np.array([0.0, 1.0, 1.0 + 1.0j, 1.0j])
+    >>> sides = np.array([[0, 1], [1, 2], [2, 3], [3, 0], [0, 2], [1, 3]])
+    >>> boundary = outer_boundary(corners, sides)
+    >>> len(boundary), round(area(boundary), 6)
+    (4, 1.0)
 
     """
     size = float(np.max(np.abs(points - points[0]))) or 1.0
@@ -86,9 +137,27 @@ def outer_boundary(points: Points, segments: Pairs) -> Points:
 
 def simplified(polygon: Points, tolerance: float) -> Points:
     """
-    Return some of the vertices, such that no other is further from its edge than ``tolerance``.
+    Return some of the vertices, such that no other is further from its edge than a tolerance.
 
     The method of Douglas & Peucker (1973) on the two halves of the boundary.
+
+    Parameters
+    ----------
+    polygon : numpy.ndarray of complex, shape (n,)
+        Vertices [m].
+    tolerance : float
+        Largest distance [m] of a vertex that is left out.
+
+    Returns
+    -------
+    numpy.ndarray of complex, shape (m,)
+        The vertices that are kept [m], in their order.
+
+    Examples
+    --------
+    >>> simplified(np.array([0.0, 1.0 + 0.01j, 2.0, 2.0 + 1.0j, 1.0j]), tolerance=0.1)
+    array([0.+0.j, 2.+0.j, 2.+1.j, 0.+1.j])
+
     """
     far = int(np.argmax(np.abs(polygon - polygon[0])))
     closed = np.append(polygon, polygon[0])
@@ -149,15 +218,19 @@ def _split(points: Points, pairs: Pairs) -> Tuple[Points, Pairs, Vector]:
 
 def _walked(points: Points, pieces: Pairs, directions: Vector) -> Points:
     """Walk around the pieces, the outside on the right; nothing where it does not come back."""
-    ways: List[List[Tuple[float, int]]] = [[] for _ in points]
-    for (a, b), direction in zip(pieces.tolist(), directions.tolist()):
-        ways[a].append((direction, b))
-        ways[b].append((direction + np.pi, a))
+    at_ends, others = pieces.reshape(-1), pieces[:, ::-1].reshape(-1)
+    order = np.argsort(at_ends, kind='stable')
+    first_way = np.searchsorted(at_ends[order], np.arange(len(points) + 1)).tolist()
+    ways = np.stack([directions, directions + np.pi], axis=1).reshape(-1)[order]
+    leads_to = others[order]
     start = at = int(pieces.flat[np.argmin(points.real[pieces])])
     back, first = np.pi, None
     path: List[int] = []
     for _ in range(2 * len(pieces) + 1):
-        direction, to = min(ways[at], key=lambda way: (way[0] - back - 1e-13) % (2.0 * np.pi))
+        here = slice(first_way[at], first_way[at + 1])
+        direction, to = min(
+            zip(ways[here].tolist(), leads_to[here].tolist()),
+            key=lambda way: (way[0] - back - 1e-13) % (2.0 * np.pi))
         if at == start and (direction, to) == first:
             return points[path]
         first = first or (direction, to)
@@ -197,18 +270,28 @@ def _crossings(points: Points, pairs: Pairs) -> Tuple[Pairs, Pairs, Vector, Vect
 
 
 def _near(begin: Points, end: Points) -> Tuple[Pairs, Pairs]:
-    """Return (i, j), i < j, of the segments whose boxes overlap; some rows at a time."""
+    """
+    Return (i, j), i < j, in order, of the segments whose boxes overlap.
+
+    In the order in which the boxes begin, those that overlap one follow it until it ends.
+    """
     low_x, high_x = np.minimum(begin.real, end.real), np.maximum(begin.real, end.real)
     low_y, high_y = np.minimum(begin.imag, end.imag), np.maximum(begin.imag, end.imag)
-    every = np.arange(len(begin))
+    order = np.argsort(low_x, kind='stable')
+    low_x, high_x, low_y, high_y = (
+        edge[order] for edge in (low_x, high_x, low_y, high_y))
+    after = np.searchsorted(low_x, high_x, side='right')
+    every = np.arange(len(order))
     found = []
-    for start in range(0, len(begin), BLOCK):
+    for start in range(0, len(order), BLOCK):
         rows = slice(start, start + BLOCK)
-        near = low_x[rows, None] <= high_x
-        near &= high_x[rows, None] >= low_x
-        near &= low_y[rows, None] <= high_y
-        near &= high_y[rows, None] >= low_y
-        near &= every[rows, None] < every
+        columns = slice(start, int(after[rows].max()))
+        near = low_y[rows, None] <= high_y[columns]
+        near &= high_y[rows, None] >= low_y[columns]
+        near &= every[rows, None] < every[columns]
+        near &= every[columns] < after[rows, None]
         i, j = np.nonzero(near)
-        found.append((i + start, j))
-    return (np.concatenate([i for i, _ in found]), np.concatenate([j for _, j in found]))
+        found.append((order[i + start], order[j + start]))
+    one, other = (np.concatenate(ends) for ends in zip(*found))
+    number = np.sort(np.minimum(one, other) * len(order) + np.maximum(one, other))
+    return number // len(order), number % len(order)

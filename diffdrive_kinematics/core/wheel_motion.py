@@ -45,8 +45,9 @@ from typing import NamedTuple, Optional, Tuple
 from diffdrive_kinematics.core.checks import is_sane, LARGEST
 
 __all__ = [
-    'Pair', 'Received', 'Verdict', 'WheelMotion', 'WheelSample', 'first_motion', 'rates_at',
-    'reached', 'receive', 'rolled', 'shifted', 'step_tolerance', 'timeout_from_seconds']
+    'Pair', 'Received', 'Verdict', 'WheelMotion', 'WheelSample', 'ZERO', 'first_motion', 'is_run',
+    'is_silent', 'rates_at', 'receive', 'rolled', 'shifted', 'step_tolerance',
+    'timeout_from_seconds']
 
 Pair = Tuple[float, float]
 ZERO: Pair = (0.0, 0.0)
@@ -57,14 +58,27 @@ STEP_TOLERANCE_NS = 1_000_000_000
 @dataclass(frozen=True)
 class WheelSample:
     """
-    One message about the wheels: rates [rad/s], positions [rad], or both; None where absent.
+    One message about the wheels.
 
-    ``source`` tells one run of one publisher from another, where it is known.
+    Parameters
+    ----------
+    stamp_ns : int
+        Its stamp [ns].
+    rates : pair of float or None
+        Wheel rates [rad/s]; None where absent.
+    positions : pair of float or None
+        Angles of the wheels [rad]; None where absent.
+    source : str
+        What tells one publisher from another, where it is known; see :func:`is_run`.
 
     Raises
     ------
     ValueError
         If both are absent, or a value is not finite or is absurdly large.
+
+    Examples
+    --------
+    See :func:`receive`.
 
     """
 
@@ -88,14 +102,58 @@ def _absurd(name: str, pair: Pair) -> ValueError:
         f'{name} (left, right) is {pair!r}, expected finite numbers within +-{LARGEST:g}')
 
 
+def is_run(source: str) -> bool:
+    """
+    Tell whether a source is one run of a publisher of this package.
+
+    They have a ``#`` in it; anything else is what somebody else's driver takes for a frame.  Its
+    positions count from anywhere, and its rates are what it makes of them.
+
+    Parameters
+    ----------
+    source : str
+        Of a sample.
+
+    Returns
+    -------
+    bool
+        Whether it has a ``#``.
+
+    Examples
+    --------
+    >>> is_run('/simulated_base#1f3a'), is_run('base_link')
+    (True, False)
+
+    """
+    return '#' in source
+
+
 class WheelMotion(NamedTuple):
     """
     What is known about the wheels since the anchor.
 
-    ``holds`` is False where only positions are known: nothing is extrapolated from them, and
-    ``rates`` is what the last increment amounts to.  ``reference`` is what the publisher's
-    positions [rad] are, or would be, at the anchor, where they are ``counted``; ``source`` is that
-    publisher.
+    Parameters
+    ----------
+    anchor_ns : int
+        Time of the last change of the rates [ns].
+    last_ns : int
+        Stamp of the last sample [ns].
+    rates : pair of float
+        Wheel rates [rad/s]; where only positions are known, what the last increment amounts to.
+    reference : pair of float
+        What the publisher's positions [rad] are, or would be, at the anchor.
+    holds : bool
+        Whether the rates are held; not so where only positions are known, from which nothing is
+        extrapolated.
+    source : str
+        The publisher.
+    counted : bool
+        Whether its positions are counted from the reference.
+
+    Examples
+    --------
+    See :func:`first_motion`.
+
     """
 
     anchor_ns: int
@@ -108,7 +166,14 @@ class WheelMotion(NamedTuple):
 
 
 class Verdict(enum.Enum):
-    """What became of a sample."""
+    """
+    What became of a sample.
+
+    Examples
+    --------
+    See :func:`receive`.
+
+    """
 
     FIRST = 'first'
     MOVED = 'moved'
@@ -120,9 +185,23 @@ class Verdict(enum.Enum):
 
 class Received(NamedTuple):
     """
-    The motion after a sample, and the angle [rad] rolled between the two anchors.
+    The motion after a sample, and what was rolled up to it.
 
-    ``known`` is the part of it up to the last repeat, where the rest was rolled differently.
+    Parameters
+    ----------
+    motion : WheelMotion
+        What the wheels do from the sample on.
+    rolled : pair of float
+        Angle [rad] rolled between the two anchors.
+    verdict : Verdict
+        What became of the sample.
+    known : pair of float
+        The part of ``rolled`` up to the last repeat [rad], where the rest was rolled differently.
+
+    Examples
+    --------
+    See :func:`receive`.
+
     """
 
     motion: WheelMotion
@@ -132,34 +211,134 @@ class Received(NamedTuple):
 
 
 def timeout_from_seconds(seconds: float) -> Optional[int]:
-    """Return a timeout [ns] from seconds; 0 means none."""
+    """
+    Return a timeout in nanoseconds.
+
+    Parameters
+    ----------
+    seconds : float
+        The timeout [s]; 0: none.
+
+    Returns
+    -------
+    int or None
+        The timeout [ns]; None: none.
+
+    Examples
+    --------
+    >>> timeout_from_seconds(0.5), timeout_from_seconds(0.0)
+    (500000000, None)
+
+    """
     return round(seconds * NANOSECONDS) if seconds else None
 
 
 def step_tolerance(timeout_ns: Optional[int]) -> int:
-    """Return how far [ns] a stamp may be off before it is taken for a step of the clock."""
+    """
+    Return how far a stamp may be off before it is taken for a step of the clock.
+
+    Parameters
+    ----------
+    timeout_ns : int or None
+        Silence after which the wheels stop [ns]; None: they do not.
+
+    Returns
+    -------
+    int
+        The timeout, and a second at least [ns].
+
+    Examples
+    --------
+    >>> step_tolerance(None), step_tolerance(2_000_000_000)
+    (1000000000, 2000000000)
+
+    """
     return max(timeout_ns or 0, STEP_TOLERANCE_NS)
 
 
 def first_motion(sample: WheelSample) -> WheelMotion:
-    """Return the motion that starts with ``sample``: its positions are only a baseline."""
+    """
+    Return the motion that starts with a sample: its positions are only a baseline.
+
+    Parameters
+    ----------
+    sample : WheelSample
+        The first one.
+
+    Returns
+    -------
+    WheelMotion
+        The motion with its anchor at the sample.
+
+    Examples
+    --------
+    >>> motion = first_motion(WheelSample(5, rates=(1.0, 2.0), positions=(7.0, 8.0)))
+    >>> motion.anchor_ns, motion.rates, motion.reference, motion.holds
+    (5, (1.0, 2.0), (7.0, 8.0), True)
+
+    """
     return WheelMotion(
         sample.stamp_ns, sample.stamp_ns, sample.rates or ZERO, sample.positions or ZERO,
         holds=sample.rates is not None, source=sample.source,
-        counted=bool(sample.positions or sample.source))
+        counted=bool(sample.positions) or is_run(sample.source))
 
 
 def shifted(motion: WheelMotion, step_ns: int) -> WheelMotion:
-    """Return the motion as it reads after the clock itself was stepped by ``step_ns``."""
+    """
+    Return the motion as it reads after the clock itself was stepped.
+
+    Parameters
+    ----------
+    motion : WheelMotion
+        What the wheels do.
+    step_ns : int
+        By how much the clock was stepped [ns].
+
+    Returns
+    -------
+    WheelMotion
+        The motion with its times moved.
+
+    Examples
+    --------
+    >>> motion = shifted(first_motion(WheelSample(5, rates=(1.0, 2.0))), step_ns=-2)
+    >>> motion.anchor_ns, motion.last_ns
+    (3, 3)
+
+    """
     return motion._replace(
         anchor_ns=motion.anchor_ns + step_ns, last_ns=motion.last_ns + step_ns)
 
 
 def rolled(motion: WheelMotion, time_ns: int, timeout_ns: Optional[int]) -> Pair:
     """
-    Return the angle [rad] rolled from the anchor to ``time_ns`` while the rates are held.
+    Return the angle rolled from the anchor to a time while the rates are held.
 
-    ``timeout_ns`` None means that the wheels never stop by themselves.
+    Parameters
+    ----------
+    motion : WheelMotion
+        What the wheels do.
+    time_ns : int
+        The time [ns].
+    timeout_ns : int or None
+        Silence after which the wheels stop [ns]; None: they never stop by themselves.
+
+    Returns
+    -------
+    pair of float
+        Angle (left, right) [rad]; 0 before the anchor.
+
+    Examples
+    --------
+    After half a second without a sample the wheels stop:
+
+    >>> motion = first_motion(WheelSample(0, rates=(1.0, 2.0)))
+    >>> for time_ns in (250_000_000, 750_000_000):
+    ...     (rolled(motion, time_ns, 500_000_000), rates_at(motion, time_ns, 500_000_000),
+    ...      is_silent(motion, time_ns, 500_000_000))
+    ((0.25, 0.5), (1.0, 2.0), False)
+    ((0.5, 1.0), (0.0, 0.0), True)
+
     """
     if timeout_ns is not None and time_ns > motion.last_ns + timeout_ns:
         time_ns = motion.last_ns + timeout_ns
@@ -169,34 +348,96 @@ def rolled(motion: WheelMotion, time_ns: int, timeout_ns: Optional[int]) -> Pair
     return motion.rates[0] * seconds, motion.rates[1] * seconds
 
 
-def reached(motion: WheelMotion, time_ns: int, timeout_ns: Optional[int]) -> int:
-    """
-    Return the time [ns] at which to look at a motion when the own clock shows ``time_ns``.
-
-    Where the publisher's clock is so far ahead that it must be another one, that is its last
-    stamp: its wheels would stand for as long as it is ahead.
-    """
-    last_ns = motion.last_ns
-    ahead = last_ns > time_ns and last_ns > time_ns + step_tolerance(timeout_ns)
-    return last_ns if ahead else time_ns
-
-
 def rates_at(motion: WheelMotion, time_ns: int, timeout_ns: Optional[int]) -> Pair:
-    """Return the wheel rates [rad/s] at ``time_ns``: 0 from the timeout on."""
-    if timeout_ns is not None and time_ns >= motion.last_ns + timeout_ns:
-        return ZERO
-    return motion.rates
+    """
+    Return the wheel rates at a time: 0 from the timeout on.
+
+    Parameters
+    ----------
+    motion : WheelMotion
+        What the wheels do.
+    time_ns : int
+        The time [ns].
+    timeout_ns : int or None
+        Silence after which the wheels stop [ns]; None: they never stop by themselves.
+
+    Returns
+    -------
+    pair of float
+        Wheel rates (left, right) [rad/s].
+
+    Examples
+    --------
+    See :func:`rolled`.
+
+    """
+    return ZERO if is_silent(motion, time_ns, timeout_ns) else motion.rates
+
+
+def is_silent(motion: WheelMotion, time_ns: int, timeout_ns: Optional[int]) -> bool:
+    """
+    Tell whether at a time nothing has been heard for the timeout.
+
+    Parameters
+    ----------
+    motion : WheelMotion
+        What the wheels do.
+    time_ns : int
+        The time [ns].
+    timeout_ns : int or None
+        The timeout [ns]; None: there is none.
+
+    Returns
+    -------
+    bool
+        Whether the time is the last stamp plus the timeout, or later.
+
+    Examples
+    --------
+    See :func:`rolled`.
+
+    """
+    return timeout_ns is not None and time_ns >= motion.last_ns + timeout_ns
 
 
 def receive(
         motion: WheelMotion, sample: WheelSample, *, now_ns: int,
-        timeout_ns: Optional[int], max_rate: float = math.inf) -> Received:
+        timeout_ns: Optional[int], max_rate: float = math.inf, usual_ns: int = 0) -> Received:
     """
-    Return what the wheels did up to ``sample``, and the motion that follows it.
+    Return what the wheels did up to a sample, and the motion that follows it.
 
-    ``now_ns`` only serves to notice stamps from the future (a step of the clock).  A publisher
-    whose clock is ahead for good makes one step, and its later stamps follow on each other.
-    ``max_rate`` [rad/s] is the mean rate since the message before above which positions jumped.
+    A publisher whose clock is ahead for good makes one step, and its later stamps follow on each
+    other.
+
+    Parameters
+    ----------
+    motion : WheelMotion
+        What the wheels do, by the samples before.
+    sample : WheelSample
+        The new one.
+    now_ns : int
+        Time [ns] that only serves to notice stamps from the future (a step of the clock).
+    timeout_ns : int or None
+        Silence after which the wheels stop [ns]; None: they never stop by themselves.
+    max_rate : float
+        Mean rate [rad/s] since the message before above which positions jumped, where messages
+        are at least the usual interval apart; inf: they do not jump.
+    usual_ns : int
+        The usual interval [ns]; stamps may be closer than what they are the stamps of.
+
+    Returns
+    -------
+    Received
+        The motion that follows, what was rolled, and what became of the sample.
+
+    Examples
+    --------
+    >>> motion = first_motion(WheelSample(0, rates=(1.0, 2.0), positions=(7.0, 8.0)))
+    >>> sample = WheelSample(500_000_000, rates=(0.0, 0.0), positions=(7.5, 9.0))
+    >>> result = receive(motion, sample, now_ns=500_000_000, timeout_ns=None)
+    >>> result.rolled, result.verdict is Verdict.MOVED
+    ((0.5, 1.0), True)
+
     """
     tolerance = step_tolerance(timeout_ns)
     stamp = sample.stamp_ns
@@ -214,7 +455,7 @@ def receive(
     same_source = sample.source == motion.source
     counts = same_source and sample.positions is not None and motion.counted
     travelled = _increment(motion, sample) if counts else held
-    if counts and _jumps(motion, travelled, stamp, max_rate):
+    if counts and _jumps(motion, travelled, stamp, max_rate, usual_ns):
         return Received(first_motion(sample), held, Verdict.JUMPED)
     begins = sample.positions is not None and not motion.counted
     as_held = not counts or _same(held, travelled, motion, sample)
@@ -255,7 +496,7 @@ def _renewed(motion: WheelMotion, repeat: WheelSample, held: Pair) -> WheelMotio
         return motion
     reference = motion.reference if repeat.positions else (-held[0], -held[1])
     return motion._replace(last_ns=repeat.stamp_ns, reference=reference,
-                           counted=bool(repeat.positions or repeat.source))
+                           counted=bool(repeat.positions) or is_run(repeat.source))
 
 
 def _stepped(
@@ -270,13 +511,15 @@ def _increment(motion: WheelMotion, sample: WheelSample) -> Pair:
     return left - motion.reference[0], right - motion.reference[1]
 
 
-def _jumps(motion: WheelMotion, travelled: Pair, stamp: int, max_rate: float) -> bool:
+def _jumps(
+        motion: WheelMotion, travelled: Pair, stamp: int, max_rate: float,
+        usual_ns: int) -> bool:
     """Tell whether positions went further since the message before than wheels can."""
     if max_rate == math.inf:
         return False
     since = motion.last_ns if motion.last_ns < stamp else motion.anchor_ns
     before = rolled(motion, since, None)
-    reach = max_rate * (stamp - since) / NANOSECONDS
+    reach = max_rate * max(stamp - since, usual_ns) / NANOSECONDS
     return any(abs(a - b) > reach + math.ulp(a) for a, b in zip(travelled, before))
 
 

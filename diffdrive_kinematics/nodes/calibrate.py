@@ -27,11 +27,13 @@ from diffdrive_kinematics.nodes.clocks import SteadyTimers
 from diffdrive_kinematics.nodes.from_values import check_sides, wheel_geometry
 from diffdrive_kinematics.nodes.last_word import HEARTBEAT_S
 from diffdrive_kinematics.nodes.node import DiffDriveNode
+from diffdrive_kinematics.nodes.output import exit_status, report
 from diffdrive_kinematics.nodes.parameters import ConfigurationError
 from diffdrive_kinematics.nodes.running import run, spin_node, Stop
 from diffdrive_kinematics.nodes.tables import CALIBRATE
 from diffdrive_kinematics.nodes.wheel_joints import wheel_joints
 from diffdrive_kinematics.nodes.wheel_messages import WheelReader
+from diffdrive_kinematics.nodes.wheel_watch import WheelWatch
 from geometry_msgs.msg import PoseStamped
 from nav_msgs.msg import Odometry
 from rclpy.clock import Clock
@@ -86,7 +88,9 @@ class Calibrate(DiffDriveNode[Config]):
         self._reader = WheelReader(
             wheel_joints(values), positions=values['position_feedback'],
             encoder_range=values['encoder_range'])
-        self.subscribe(JointState, values['motion_topic'], self._on_wheels, raw=True)
+        WheelWatch(self, self._reader, values['motion_topic'])
+        self.subscribe(
+            JointState, values['motion_topic'], self._on_wheels, raw=True, numbered=True)
         odometry = values['reference_type'] == 'odometry'
         self.subscribe(
             Odometry if odometry else PoseStamped, values['reference_topic'],
@@ -97,8 +101,8 @@ class Calibrate(DiffDriveNode[Config]):
             f"collecting '{values['motion_topic']}' and '{values['reference_topic']}' until "
             f'{self.get_fully_qualified_name()}/finish is called')
 
-    def _on_wheels(self, message: bytes) -> None:
-        sample = self._reader.read(message, self.now_ns)
+    def _on_wheels(self, message: bytes, number: int) -> None:
+        sample = self._reader.read(message, self.now_ns, number)
         if sample is not None:
             self.collection.add_wheels(sample)
 
@@ -157,9 +161,9 @@ def conclude(calibration: Calibration, values: Mapping[str, Any]) -> str:
     files = {output: params_text(calibration, output).encode()}
     if picture:
         files[picture] = _picture(calibration, picture)
-    print(table(calibration), flush=True)
+    report(table(calibration))
     written = f"wrote {', '.join(write(files, overwrite=values['overwrite']))}"
-    print(written, flush=True)
+    report(written)
     return written
 
 
@@ -178,7 +182,7 @@ def work(stop: Stop) -> int:
     try:
         if node.config.values['square_runs'] or node.config.values['recordings']:
             conclude(from_files(node.config), node.config.values)
-            return 0
+            return exit_status()
         return _collect(node, timers, stop)
     except ValueError as error:
         raise ConfigurationError(str(error)) from error
@@ -190,8 +194,8 @@ def _collect(node: Calibrate, timers: SteadyTimers, stop: Stop) -> int:
     node.listen()
     spin_node(node, timers, stop)
     if not node.written:
-        print('not finished: nothing is written', flush=True)
-    return 0
+        report('not finished: nothing is written')
+    return exit_status()
 
 
 def main() -> None:

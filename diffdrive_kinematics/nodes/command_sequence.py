@@ -23,7 +23,7 @@ from diffdrive_kinematics.core.playback import (
 from diffdrive_kinematics.core.sequence import Command
 from diffdrive_kinematics.core.square_course import square_course
 from diffdrive_kinematics.nodes.clocks import period_ns
-from diffdrive_kinematics.nodes.diagnostics import Diagnosis, Look, STALE, Trouble
+from diffdrive_kinematics.nodes.diagnostics import Diagnosis, Look, Trouble, WARN
 from diffdrive_kinematics.nodes.from_values import commands_from
 from diffdrive_kinematics.nodes.messages import TwistMessage
 from diffdrive_kinematics.nodes.node import DiffDriveNode
@@ -190,7 +190,7 @@ class CommandSequence(DiffDriveNode[Config]):
             'elapsed [s]': elapsed, 'length [s]': self.length_s,
             'progress [%]': 100.0 * elapsed / self.length_s,
             'achieved publish rate [Hz]': look.rate},
-            [] if self.begun() else [Trouble(STALE, self._waiting())])
+            [] if self.begun() else [Trouble(WARN, self._waiting())])
 
     def _listen(self, topic: str, type_name: str) -> None:
         """Subscribe to a topic of whatever type until it answers."""

@@ -26,15 +26,15 @@ from diffdrive_kinematics.nodes.messages import NANOSECONDS, set_stamp
 from rclpy.publisher import Publisher
 
 __all__ = [
-    'Diagnosis', 'Heard', 'Look', 'Reporter', 'STALE', 'TOPIC', 'Trouble', 'heard_values',
-    'silence', 'slowness', 'stamp_values']
+    'Diagnosis', 'ERROR', 'Heard', 'Look', 'OK', 'Reporter', 'TOPIC', 'Trouble', 'WARN',
+    'heard_values', 'quiet', 'slowness', 'stamp_values', 'unheard']
 
 TOPIC = '/diagnostics'
-OK, WARN, ERROR, STALE = (
-    DiagnosticStatus.OK, DiagnosticStatus.WARN, DiagnosticStatus.ERROR, DiagnosticStatus.STALE)
-SEVERITY = (OK, STALE, WARN, ERROR)
+OK, WARN, ERROR = DiagnosticStatus.OK, DiagnosticStatus.WARN, DiagnosticStatus.ERROR
+SEVERITY = (OK, WARN, ERROR)  # STALE is the aggregator's word for who does not report
 ALARMS = {'refused': ERROR, 'timeouts': WARN, 'out of order': WARN,
-          'clock steps in stamps': WARN, 'clock steps': WARN, 'position jumps': WARN}
+          'clock steps in stamps': WARN, 'clock steps': WARN, 'position jumps': WARN,
+          'old commands': WARN}
 SLOW = 0.8  # of the rate that is set
 FEWEST_TO_JUDGE = 5
 
@@ -82,10 +82,6 @@ class Heard:
         """Note that the clock by which messages came was stepped."""
         self.last_ns += step_ns
 
-    def agrees_after(self, step_ns: int) -> bool:
-        """Return whether a step of the own clock is what the last stamp was off by."""
-        return abs(self.skew_ns + step_ns) < abs(self.skew_ns)
-
     def age(self, now_ns: int) -> Optional[float]:
         """Return the time [s] since the last message; None where there was none."""
         return (now_ns - self.last_ns) / NANOSECONDS if self.count else None
@@ -102,14 +98,20 @@ def stamp_values(counts: Mapping[str, int]) -> Dict[str, Any]:
             'clock steps in stamps': counts[Verdict.CLOCK_STEP.value]}
 
 
-def silence(heard: Heard, now_ns: int, timeout: float, topic: str) -> List[Trouble]:
-    """Return the trouble of hearing nothing yet, or nothing for a timeout [s]; 0: never."""
+def unheard(heard: Heard, topic: str, level: bytes = WARN) -> List[Trouble]:
+    """Return that nothing was heard yet, where it is so."""
+    return [] if heard.count else [Trouble(level, f"nothing heard on '{topic}' yet")]
+
+
+def quiet(
+        heard: Heard, now_ns: int, timeout: float, topic: str, *,
+        at_rest: bool = False) -> List[Trouble]:
+    """Return that nothing was heard for a timeout [s], 0: never; at rest that is no trouble."""
     age = heard.age(now_ns)
-    if age is None:
-        return [Trouble(STALE, f"nothing heard on '{topic}' yet")]
-    if 0.0 < timeout < age:
-        return [Trouble(STALE, f"nothing heard on '{topic}' for {age:.1f} s")]
-    return []
+    if age is None or not 0.0 < timeout < age:
+        return []
+    words = f"nothing heard on '{topic}' for {age:.1f} s"
+    return [Trouble(OK, f'at rest, {words}') if at_rest else Trouble(WARN, words)]
 
 
 def slowness(look: Look, rate: float) -> List[Trouble]:
@@ -142,7 +144,7 @@ class Reporter:
     def look(self, now_ns: int, sent: int) -> Look:
         """Return a look at a node that has sent so many messages."""
         seconds = (now_ns - self._look_ns) / NANOSECONDS
-        known = self._sent > 0 and seconds > 0.0
+        known = self._sent > 0 and self._look_ns > 0 and seconds > 0.0
         rate = (sent - self._sent) / seconds if known else None
         self._look_ns, self._sent = now_ns, sent
         return Look(now_ns, rate, seconds)

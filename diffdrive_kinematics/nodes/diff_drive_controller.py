@@ -15,14 +15,19 @@
 """``diff_drive_controller``: velocity commands in, wheel rates out, within limits."""
 
 from dataclasses import dataclass
-from typing import Any, List, Mapping, Sequence
+import time
+from typing import Any, List, Mapping, Optional, Sequence
 
 from diffdrive_kinematics.core.drive import Drive, DriveSettings, DriveTelling, Twist
-from diffdrive_kinematics.nodes.diagnostics import Diagnosis, heard_values, Look, silence, slowness
+from diffdrive_kinematics.nodes.command_intake import Backlog, CommandIntake, LATE_NS, STILL
+from diffdrive_kinematics.nodes.diagnostics import (
+    Diagnosis, heard_values, Look, OK, quiet, slowness, unheard)
+from diffdrive_kinematics.nodes.emergency_stop import EmergencyStop
 from diffdrive_kinematics.nodes.from_values import (
     axis_limits, check_sides, check_wiring, wheel_geometry)
-from diffdrive_kinematics.nodes.messages import command_in, TwistMessage
+from diffdrive_kinematics.nodes.messages import TwistMessage
 from diffdrive_kinematics.nodes.node import DiffDriveNode
+from diffdrive_kinematics.nodes.publisher_watch import PublisherWatch
 from diffdrive_kinematics.nodes.running import main_of
 from diffdrive_kinematics.nodes.tables import DIFF_DRIVE_CONTROLLER
 from diffdrive_kinematics.nodes.wheel_joints import wheel_joints
@@ -32,7 +37,8 @@ from rclpy.publisher import Publisher
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64MultiArray
 
-STILL = Twist(0.0, 0.0)
+REST = (0.0, 0.0)
+STANDS_S = 0.2  # for which a simulated clock has stood where ramps cannot wait for it
 TYPE_CHECK_PERIOD_NS = 2_000_000_000
 MOST_WATCHDOG_CALLS = 1000.0  # [Hz]
 
@@ -42,20 +48,19 @@ class Config:
     """What the controller is set to."""
 
     drive: DriveSettings
-    stamp_tolerance_ns: int
     values: Mapping[str, Any]
 
 
 def build(values: Mapping[str, Any]) -> Config:
     """Return the configuration of parameter values, or raise ``ValueError``."""
     check_wiring(values, 'cmd_vel_topic', (
-        'wheel_rates_topic', 'cmd_vel_out_topic', 'wheel_commands_topic'))
+        'wheel_rates_topic', 'cmd_vel_out_topic', 'wheel_commands_topic', 'emergency_stop_topic'))
     check_sides(values)
     settings = DriveSettings(
         wheel_geometry(values), axis_limits(values, 'linear.x'), axis_limits(values, 'angular.z'),
         max_wheel_rate=values['max_wheel_rate'], cmd_vel_timeout=values['cmd_vel_timeout'],
         publish_rate=values['publish_rate'])
-    return Config(settings, round(values['stamp_tolerance'] * 1e9), values)
+    return Config(settings, values)
 
 
 class DiffDriveController(DiffDriveNode[Config]):
@@ -70,6 +75,8 @@ class DiffDriveController(DiffDriveNode[Config]):
         self._twist = TwistMessage(values['base_frame_id'])
         self._drive = Drive(self.config.drive, self.now_ns())
         self._told_ns = -1
+        self._sent_by_tick = 0
+        self._command_steady_ns = 0
         self._heard_command = False
         self._next_type_check_ns = self.now_ns() + TYPE_CHECK_PERIOD_NS
         if 0.0 < values['cmd_vel_timeout'] < values['stamp_tolerance']:
@@ -85,9 +92,18 @@ class DiffDriveController(DiffDriveNode[Config]):
         self._twist_publisher = self.publisher(
             TwistStamped, values['cmd_vel_out_topic']) if limited else None
         self._stamped = values['enable_stamped_cmd_vel']
-        self.subscribe(
-            TwistStamped if self._stamped else TwistMsg, values['cmd_vel_topic'],
-            self._on_command, raw=True)
+        topic = values['cmd_vel_topic']
+        self._intake = CommandIntake(self, self._stamped, self.command_topic(), values)
+        real = self._stepped is None  # else all that was sent has come before the time goes on
+        subscription = self.subscribe(
+            TwistStamped if self._stamped else TwistMsg, topic, self._on_command, raw=True,
+            informed=real)
+        self._command_watch = PublisherWatch(
+            self, topic, subscription,
+            'the robot obeys whoever spoke last; put twist_mux between them')
+        self._backlog = Backlog(subscription) if real else None
+        self._stop = EmergencyStop(
+            self, values['emergency_stop_topic'], self._halt, self._hear_backlog)
         self._timer = self.every(values['publish_rate'], self._tick)
         self._watchdog: Any = None
         self._set_watchdog(self.config.drive.cmd_vel_timeout)
@@ -101,34 +117,82 @@ class DiffDriveController(DiffDriveNode[Config]):
         """Return the resolved name of the topic that the controller listens to."""
         return self.resolve_topic_name(self.config.values['cmd_vel_topic'])
 
-    def _on_command(self, message: bytes) -> None:
+    def _on_command(self, message: bytes, sent: Optional[Mapping[str, Any]] = None) -> None:
         now_ns = self._synchronised_now()
         self._heard_command = True
+        if self._stop.engaged:
+            self._stop.ignore()
+            return
+        alive = self._intake.alive(message, now_ns, sent)
+        if alive is None:
+            return
+        twist, stamp_ns, age_ns, own_ns = alive
+        if not now_ns and self.waits_for_clock():
+            if twist == STILL:
+                self._halt()
+            return
+        self.heard.note(now_ns, own_ns or now_ns)
         if self._watchdog:
             self._watchdog.reset()
-        own_ns, v, w = command_in(message, self._stamped)
-        stamp_ns = now_ns
-        if own_ns and 0 <= now_ns - own_ns <= self.config.stamp_tolerance_ns:
-            stamp_ns = own_ns
-        self.heard.note(now_ns, own_ns or now_ns)
+        if self._is_over(now_ns - LATE_NS):
+            self._go_on(now_ns)
         try:
-            self._command(Twist(v, w), stamp_ns)
+            self._command(twist, stamp_ns)
         except ValueError:
             self._command(STILL, now_ns)
             raise
+        if age_ns > LATE_NS:
+            self._end_early(now_ns, age_ns)
+        if self._clock_watch:
+            self._command_steady_ns = time.monotonic_ns()
+            self._obey_without_clock()
 
     def _command(self, twist: Twist, stamp_ns: int) -> None:
         self._drive, changes = self._drive.commanded(twist, stamp_ns)
         self._tell(changes)
 
+    def _go_on(self, now_ns: int) -> None:
+        """Take the time since the last command ended, of which nobody was told, for none."""
+        drive = self._drive.clock_stepped(now_ns - self._drive.deadline_ns)
+        self._drive = drive._replace(deadline_ns=None)
+
+    def _end_early(self, now_ns: int, age_ns: int) -> None:
+        """Let a command that was long on its way end a timeout after it was sent."""
+        drive = self._drive
+        if drive.deadline_ns is not None:
+            end_ns = now_ns - age_ns + round(drive.settings.cmd_vel_timeout * 1e9)
+            self._drive = drive._replace(deadline_ns=min(end_ns, drive.deadline_ns))
+
     def _tick(self) -> None:
         now_ns = self._synchronised_now()
-        self._drive, changes = self._drive.advanced(now_ns)
-        told = self._drive.told(now_ns)
-        self._tell(changes if told.stamp_ns == self._last(changes) else [*changes, told])
+        if self._is_over(now_ns):
+            self._hear_backlog()
+            now_ns = self._synchronised_now()
+        drive, changes = self._drive.advanced(now_ns)
+        self._drive = drive
+        told = drive.told(now_ns)
+        passed_ns = told.stamp_ns - (changes[-1].stamp_ns if changes else self._told_ns)
+        if passed_ns and (passed_ns >= drive.settings.period_ns
+                          or not changes and self.sent == self._sent_by_tick):
+            changes.append(told)  # else it was said since the last tick
+        self._tell(changes)
+        self._sent_by_tick = self.sent
         if not self._heard_command and now_ns >= self._next_type_check_ns:
             self._next_type_check_ns = now_ns + TYPE_CHECK_PERIOD_NS
             self._report_other_type()
+
+    def _is_over(self, time_ns: int) -> bool:
+        """Return whether the last command had ended at a time and could not be ended in time."""
+        end_ns = self._drive.deadline_ns
+        return end_ns is not None and end_ns <= time_ns and self._backlog is not None
+
+    def _hear_backlog(self) -> None:
+        """Hear the commands that have come already: the process may have been held up."""
+        if self._backlog:
+            end_ns = self._drive.deadline_ns
+            self._backlog.hand_on(
+                lambda: self._drive.deadline_ns != end_ns,
+                wait=self._is_over(self.now_ns() - LATE_NS))
 
     def _set_watchdog(self, timeout: float) -> None:
         if self._watchdog:
@@ -140,12 +204,42 @@ class DiffDriveController(DiffDriveNode[Config]):
 
     def _on_silence(self) -> None:
         """End the command that no other has followed, however rarely the rates are repeated."""
-        end_ns = max(self._synchronised_now(), self._drive.deadline_ns or 0)
+        deadline_ns = self._drive.deadline_ns
+        self._hear_backlog()
+        if self._drive.deadline_ns != deadline_ns:
+            return
+        end_ns = max(self._synchronised_now(), deadline_ns or 0)
         self._drive, changes = self._drive.advanced(end_ns)
         self._tell(changes)
 
-    def _last(self, changes: List[DriveTelling]) -> int:
-        return changes[-1].stamp_ns if changes else self._told_ns
+    def on_clock_look(self, stood_s: float) -> None:
+        """Bring the wheels to rest where a clock that stands does not."""
+        drive = self._drive
+        timeout = drive.settings.cmd_vel_timeout
+        silent_s = (time.monotonic_ns() - self._command_steady_ns) / 1e9
+        if 0.0 < timeout < min(stood_s, silent_s) and drive.target != STILL:
+            self._drive = drive._replace(timeouts=drive.timeouts + 1)
+            self._halt()
+        elif stood_s > STANDS_S and drive.rates == REST and self._told_ns >= 0:
+            self._halt()  # ticks do not repeat it
+        else:
+            self._obey_without_clock()
+
+    def _obey_without_clock(self) -> None:
+        """
+        Bring the wheels to rest where they are faster than asked, and the clock stands.
+
+        Ramps cannot go on then: what asks for more is held back, what asks for less is not met.
+        """
+        if _exceeds(self._drive.twist, self._drive.target) and self.clock_stood_s() > STANDS_S:
+            self._halt()
+
+    def _halt(self) -> None:
+        """Bring the wheels to rest at once, whatever the limits and the clock."""
+        now_ns = self._synchronised_now()
+        if now_ns or self._drive.rates != REST:
+            self._drive = self._drive.halted(max(now_ns, self._told_ns + 1))
+        self._tell([self._drive.told(now_ns)])
 
     def _tell(self, tellings: List[DriveTelling]) -> None:
         """Publish; the first message has no positions and is the baseline for the others'."""
@@ -166,9 +260,13 @@ class DiffDriveController(DiffDriveNode[Config]):
         now_ns, step_ns = self.now_and_step()
         if step_ns:
             self._drive = self._drive.clock_stepped(step_ns)
+            if self._told_ns >= 0:
+                self._told_ns = max(0, self._told_ns + step_ns)
+            self._intake.clock_stepped(step_ns, wall=self._clock_watch is None)
         return now_ns
 
     def _configure(self, config: Config) -> None:
+        self._intake.configure(config.values)
         self._drive, changes = self._drive.configured(config.drive, self._synchronised_now())
         self._tell(changes)
         self._timer = self.retimed(self._timer, config.drive.publish_rate, self._tick)
@@ -187,22 +285,28 @@ class DiffDriveController(DiffDriveNode[Config]):
 
     def diagnosis(self, look: Look) -> Diagnosis:
         """Return how commands come in and rates go out."""
-        values, drive = self.config.values, self._drive
+        values, drive, topic = self.config.values, self._drive, self.command_topic()
         return Diagnosis({
             **heard_values(self.heard, look.now_ns, 'command'),
             'achieved publish rate [Hz]': look.rate, 'saturated': drive.saturated,
-            'limited': drive.limited, 'timeouts': drive.timeouts}, [
-                *silence(self.heard, look.now_ns, values['cmd_vel_timeout'],
-                         self.command_topic()),
+            'limited': drive.limited, 'timeouts': drive.timeouts, **self._intake.values(),
+            **self._stop.values(), 'publishers of commands': self._command_watch.count}, [
+                *self._stop.troubles(), *self._command_watch.troubles(),
+                *unheard(self.heard, topic, OK),
+                *quiet(self.heard, look.now_ns, values['cmd_vel_timeout'], topic,
+                       at_rest=drive.rates == REST),
                 *slowness(look, values['publish_rate'])])
 
     def last_word(self) -> Sequence[Publisher]:
         """Leave the wheels with the command to stand still."""
-        now_ns = self._synchronised_now()
-        self._drive = self._drive.halted(now_ns)
-        self._tell([self._drive.told(now_ns)])
+        self._halt()
         publishers = self._wheels_publisher, self._commands_publisher, self._twist_publisher
         return [publisher for publisher in publishers if publisher]
+
+
+def _exceeds(twist: Twist, target: Twist) -> bool:
+    """Return whether a speed or yaw rate is more than what is asked for, or of another sign."""
+    return any(abs(now) > abs(asked) or now * asked < 0.0 for now, asked in zip(twist, target))
 
 
 main = main_of(DiffDriveController)

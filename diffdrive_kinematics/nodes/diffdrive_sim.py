@@ -16,25 +16,34 @@
 
 from dataclasses import dataclass
 from importlib import import_module
+import os
 import sys
+import time
 from typing import Any, Dict, List, Mapping, Tuple, Type, TYPE_CHECKING
 
+from diffdrive_kinematics.nodes.alone import check_alone, Disturbed, keep_to_this_machine
 from diffdrive_kinematics.nodes.clocks import SteadyTimers, SteppedClock
 from diffdrive_kinematics.nodes.node import DiffDriveNode
+from diffdrive_kinematics.nodes.output import exit_status, report, show
 from diffdrive_kinematics.nodes.report import drift_table, progress_line, Robot
 from diffdrive_kinematics.nodes.running import finish, make_executor, run, spin, Stop
 from diffdrive_kinematics.nodes.share import with_params_file
 from diffdrive_kinematics.nodes.tables import DIFFDRIVE_SIM
 from diffdrive_kinematics.nodes.traffic import Traffic
+from rclpy.logging import get_logger
 
 if TYPE_CHECKING:
     from diffdrive_kinematics.nodes.command_sequence import CommandSequence
 
 CLASSES = {  # imported where they are composed: a robot of two nodes starts without the others
     'diff_drive_controller': 'DiffDriveController', 'wheel_noise': 'WheelNoise',
-    'simulated_base': 'SimulatedBase', 'command_sequence': 'CommandSequence',
+    'simulated_base': 'SimulatedBase', 'wheel_odometry': 'WheelOdometry',
+    'command_sequence': 'CommandSequence',
     'forward_projection': 'ForwardProjection', 'goal_steering': 'GoalSteering',
     'robot_description': 'RobotDescription'}
+BASES = 'simulated_base', 'wheel_odometry'
+DISTURBED = 1  # exit status
+FAREWELL_S = 0.5
 PROGRESS_LINES = 10
 REST_TIMEOUT_NS = 5_000_000_000
 
@@ -90,9 +99,13 @@ class DiffDriveSim(DiffDriveNode[Config]):
         shared: Dict[str, Any] = {'timers': self._steady}
         if self.config.clock_step_ns:
             shared = {'stepped': SteppedClock(), 'traffic': Traffic()}
+        classes = [_class(member.kind) for member in self.config.members]
+        if self.config.clock_step_ns:  # now, so that what comes second does not disturb the first
+            check_alone(self, {self.resolve_topic_name('/clock'): []}, patience_s=FAREWELL_S)
+        neighbours = tuple(member.name for member in self.config.members)
         self.members: List[DiffDriveNode] = [
-            _class(member.kind)(member.name, namespace=member.namespace, **shared)
-            for member in self.config.members]
+            kind(member.name, namespace=member.namespace, neighbours=neighbours, **shared)
+            for kind, member in zip(classes, self.config.members)]
         self.stepper: Any = None
         if self.config.clock_step_ns:
             from diffdrive_kinematics.nodes.stepping import Stepper
@@ -105,9 +118,9 @@ class DiffDriveSim(DiffDriveNode[Config]):
         self._shown = -1
         self._rest_by_ns = 0
 
-    def _of(self, kind: str) -> List[Any]:
+    def _of(self, *kinds: str) -> List[Any]:
         return [node for node, member in zip(self.members, self.config.members)
-                if member.kind == kind]
+                if member.kind in kinds]
 
     def run(self, stop: Stop) -> None:
         """Run until the sequences are done and the robot rests, or until asked to stop."""
@@ -133,7 +146,7 @@ class DiffDriveSim(DiffDriveNode[Config]):
             for node in self._of('wheel_noise')}
         bases = [
             (base, base.resolve_topic_name(base.config.values['wheel_motion_topic']) in noisy)
-            for base in self._of('simulated_base')]
+            for base in self._of(*BASES)]
         with_truth = len({fed for _, fed in bases}) == 2
         return [
             Robot(base.get_fully_qualified_name(), 'truth' if fed and with_truth else 'belief',
@@ -150,13 +163,13 @@ class DiffDriveSim(DiffDriveNode[Config]):
         now_ns = self._courses[0].now_ns()
         self._rest_by_ns = self._rest_by_ns or now_ns + REST_TIMEOUT_NS
         return now_ns > self._rest_by_ns or all(
-            base.reading().rates == (0.0, 0.0) for base in self._of('simulated_base'))
+            base.reading().rates == (0.0, 0.0) for base in self._of(*BASES))
 
     def _show_progress(self, course: 'CommandSequence') -> None:
         shown = int(PROGRESS_LINES * course.elapsed_s() / course.length_s)
         if course.begun() and shown != self._shown and shown <= PROGRESS_LINES:
             self._shown = shown
-            print(progress_line(course.elapsed_s(), course.length_s, self.robots()), flush=True)
+            show(progress_line(course.elapsed_s(), course.length_s, self.robots()))
 
     def _announce(self) -> None:
         """Say how to drive where nothing in this process does."""
@@ -170,22 +183,36 @@ class DiffDriveSim(DiffDriveNode[Config]):
 
 def work(stop: Stop) -> int:
     """Compose, run and report; return the exit status."""
+    try:
+        return _work(stop)
+    except Disturbed as error:
+        get_logger('diffdrive_sim').fatal(str(error))
+        return DISTURBED
+
+
+def _work(stop: Stop) -> int:
     sim = DiffDriveSim()
     try:
         sim.run(stop)
         if sim.finished():
-            print(drift_table(sim.robots()), flush=True)
+            report(drift_table(sim.robots()))
             if sim.stepper and not sim.config.real_time_factor:
-                print(f'{sim.stepper.rate():.0f} times real time', flush=True)
+                report(f'{sim.stepper.rate():.0f} times real time')
+    except Disturbed:
+        time.sleep(FAREWELL_S)  # still to be seen, or the other one might never know
+        raise
     finally:
         for node in [*sim.members, sim]:
             node.destroy_node()
-    return 0
+    return exit_status()
 
 
 def main() -> None:
     """Run ``diffdrive_sim``."""
-    sys.exit(run(work, with_params_file(sys.argv, 'demo.yaml')))
+    argv = with_params_file(sys.argv, 'demo.yaml')
+    if argv is not sys.argv:
+        keep_to_this_machine(os.environ)
+    sys.exit(run(work, argv))
 
 
 if __name__ == '__main__':

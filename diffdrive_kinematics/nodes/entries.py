@@ -28,15 +28,16 @@ from rclpy.validate_topic_name import validate_topic_name
 
 __all__ = [
     'Check', 'Entry', 'Kind', 'check_bias', 'check_concentration', 'check_count',
-    'check_description', 'check_diagonal', 'check_distribution', 'check_horizon',
-    'check_joint_names', 'check_named', 'check_one_of', 'check_optional_picture',
+    'check_description', 'check_diagonal', 'check_distribution', 'check_frame', 'check_horizon',
+    'check_joint_names', 'check_named', 'check_offset', 'check_one_of', 'check_optional_picture',
     'check_optional_seed', 'check_optional_topic', 'check_picture', 'check_pose',
-    'check_positive_or_nan', 'check_range', 'check_rate_or_off', 'check_resolution', 'check_seed',
-    'check_slip_model', 'check_stages', 'check_step', 'check_topic', 'check_wheel_base',
-    'check_width', 'string', 'topic']
+    'check_positive_or_nan', 'check_prefix', 'check_range', 'check_rate_or_off',
+    'check_resolution', 'check_seed', 'check_slip_model', 'check_stages', 'check_step',
+    'check_topic', 'check_wheel_base', 'check_width', 'check_window', 'string', 'topic']
 
 Check = Callable[[str, Any], Any]
-MOST, MOST_STAGES = 100_000, 25
+MOST, MOST_STAGES, MOST_IN_WINDOW = 100_000, 25, 1000
+MOST_OFFSET = 1e9  # [s]
 
 
 class Kind(enum.Enum):
@@ -93,9 +94,21 @@ def check_positive_or_nan(name: str, value: float) -> None:
         check_positive(name, value)
 
 
+def check_offset(name: str, value: float) -> None:
+    if not (math.isnan(value) or abs(value) <= MOST_OFFSET):
+        raise ValueError(
+            f'{name} is {value!r}, expected seconds within +-{MOST_OFFSET:g}, or NaN')
+
+
 def check_count(name: str, value: int) -> None:
     if not 1 <= value <= MOST:
         raise ValueError(f'{name} is {value!r}, expected an integer from 1 to {MOST}')
+
+
+def check_window(name: str, value: int) -> None:
+    if not 1 <= value <= MOST_IN_WINDOW:
+        raise ValueError(
+            f'{name} is {value!r}, expected an integer from 1 to {MOST_IN_WINDOW}')
 
 
 def check_stages(name: str, value: int) -> None:
@@ -170,6 +183,31 @@ def check_diagonal(name: str, value: Tuple[float, ...]) -> None:
 def check_named(name: str, value: str) -> None:
     if not value:
         raise ValueError(f'{name} is empty, expected a name')
+
+
+def check_frame(name: str, value: str) -> None:
+    check_named(name, value)
+    _check_part_of_frame(name, value)
+    if '~' in value:
+        raise ValueError(f"{name} is {value!r}, expected a name without '~'")
+    if value.startswith('/'):
+        name_of_tf2 = value.lstrip('/')
+        raise ValueError(
+            f"{name} is {value!r}, expected {repr(name_of_tf2) if name_of_tf2 else 'a name'}: tf2 "
+            "knows no frame that begins with '/'")
+
+
+def check_prefix(name: str, value: str) -> None:
+    _check_part_of_frame(name, value)
+    if '~' in value[1:] or value.startswith('~') and value[1:2] not in ('', '/'):
+        raise ValueError(
+            f"{name} is {value!r}, expected '~' for the namespace, '~/more', or a name without "
+            "'~'")
+
+
+def _check_part_of_frame(name: str, value: str) -> None:
+    if any(map(str.isspace, value)):
+        raise ValueError(f'{name} is {value!r}, expected a name without blanks')
 
 
 def check_slip_model(name: str, value: str) -> None:

@@ -16,32 +16,35 @@
 
 from dataclasses import dataclass
 import math
-from typing import Any, List, Mapping, Optional, Tuple
+from typing import Any, List, Mapping, Optional, Tuple, Union
 
 from diffdrive_kinematics.core import odometry as core
 from diffdrive_kinematics.core.arc import Pose
 from diffdrive_kinematics.core.distributions import unit_bound
 from diffdrive_kinematics.core.geometry import WheelGeometry
 from diffdrive_kinematics.core.noise import WheelSlip
-from diffdrive_kinematics.core.projection import sample_paths, travel_of_command
-from diffdrive_kinematics.core.reachable import reachable_set_from_slip
+from diffdrive_kinematics.core.projected import Projected, projected
 from diffdrive_kinematics.core.sequence import Command
 from diffdrive_kinematics.core.wheel_motion import timeout_from_seconds
 from diffdrive_kinematics.nodes.diagnostics import (
-    Diagnosis, heard_values, Look, silence, stamp_values)
+    Diagnosis, heard_values, Look, quiet, stamp_values, unheard)
 from diffdrive_kinematics.nodes.from_values import (
     check_sides, check_wiring, wheel_geometry, wheel_slips)
 from diffdrive_kinematics.nodes.messages import nanoseconds, pose_in_plane
 from diffdrive_kinematics.nodes.node import DiffDriveNode
-from diffdrive_kinematics.nodes.projection_messages import PolygonMessage, PosesMessage
+from diffdrive_kinematics.nodes.other_clock import ClockWatch
+from diffdrive_kinematics.nodes.projection_messages import polygon_message, poses_message
 from diffdrive_kinematics.nodes.running import main_of
 from diffdrive_kinematics.nodes.tables import FORWARD_PROJECTION
 from diffdrive_kinematics.nodes.wheel_joints import wheel_joints
 from diffdrive_kinematics.nodes.wheel_messages import WheelReader
+from diffdrive_kinematics.nodes.wheel_watch import WheelWatch
+from diffdrive_kinematics.nodes.worker import InPlace, Worker
 from geometry_msgs.msg import PolygonStamped, PoseArray
 from nav_msgs.msg import Odometry
 from rclpy.publisher import Publisher
 from sensor_msgs.msg import JointState
+from std_msgs.msg import Header
 
 WAITING_REPORT_PERIOD_S = 10.0
 
@@ -80,37 +83,48 @@ class ForwardProjection(DiffDriveNode[Config]):
     Projects the last odometry forward as if the wheel rates were held for the horizon.
 
     Each odometry is projected once at most: where none comes, nothing is published.  What nobody
-    listens to is not computed.
+    listens to is not computed.  Computing takes up to half a second, so a worker does it, and
+    where time is stepped, time waits for it.
     """
 
     def __init__(self, name: str = 'forward_projection', **composition: Any) -> None:
         super().__init__(name, FORWARD_PROJECTION, build, **composition)
         values = self.config.values
         self._reader = WheelReader(wheel_joints(values), encoder_range=values['encoder_range'])
+        self._wheel_watch = WheelWatch(self, self._reader, values['wheel_motion_topic'])
         self._wheels = core.Odometry.starting_at(  # for its account of the rates alone
             Pose(0.0, 0.0, 0.0), geometry=self.config.geometry, timeout_ns=self.config.timeout_ns)
         self._odometry: Optional[Tuple[Odometry, Pose]] = None
-        self._poses_message, self._polygon_message = PosesMessage(), PolygonMessage()
+        self._clocks = {
+            name: ClockWatch(self, values[name]) for name in ('odom_topic', 'wheel_motion_topic')}
+        self._worker: Union[InPlace, Worker] = (
+            InPlace(self._publish) if self._stepped else Worker(self._come_back))
         topic = values['poses_topic']
         self._poses_publisher = self.publisher(PoseArray, topic) if topic else None
         topic = values['boundary_topic']
         self._boundary_publisher = self.publisher(PolygonStamped, topic) if topic else None
         self.subscribe(Odometry, values['odom_topic'], self._on_odometry)
-        self.subscribe(JointState, values['wheel_motion_topic'], self._on_wheels, raw=True)
+        self.subscribe(
+            JointState, values['wheel_motion_topic'], self._on_wheels, raw=True, numbered=True)
         self._timer = self.every(values['publish_rate'], self._tick)
         self.parameters.on_change(self._configure)
         self._tell_bounds()
 
     def _on_odometry(self, message: Odometry) -> None:
         self._odometry = message, pose_in_plane(message.pose.pose)
-        stamp_ns = nanoseconds(message.header.stamp)
-        self.heard.note(stamp_ns, stamp_ns)
-
-    def _on_wheels(self, message: bytes) -> None:
         now_ns = self._synchronised_now()
-        sample = self._reader.read(message, lambda: now_ns)
+        stamp_ns = nanoseconds(message.header.stamp) or now_ns
+        self._clocks['odom_topic'].note(stamp_ns, now_ns)
+        self.heard.note(now_ns, stamp_ns)
+
+    def _on_wheels(self, message: bytes, number: int) -> None:
+        if self.waits_for_clock():
+            return
+        now_ns = self._synchronised_now()
+        sample = self._reader.read(message, lambda: now_ns, number)
         if sample is None:
             return
+        self._clocks['wheel_motion_topic'].note(sample.stamp_ns, now_ns)
         self._wheels, verdict = self._wheels.received(sample, now_ns)
         self.judge(verdict, self.config.values['wheel_motion_topic'])
 
@@ -121,14 +135,19 @@ class ForwardProjection(DiffDriveNode[Config]):
                 'waiting for odometry and wheel motion',
                 throttle_duration_sec=WAITING_REPORT_PERIOD_S, skip_first=True)
             return
-        if not any(map(_is_heard, (self._poses_publisher, self._boundary_publisher))):
+        samples = self.config.values['samples'] if _is_heard(self._poses_publisher) else 0
+        bounded = _is_heard(self._boundary_publisher) and self.config.bounded()
+        if not samples and not bounded:
             return
         (odometry, pose), self._odometry = self._odometry, None
         try:
-            self._project(odometry, pose, self._commands(now_ns))
-            self.sent += 1
+            commands = self._commands(now_ns)
         except ValueError as error:
             self.refuse(f'to project: {error}')
+            return
+        self._worker.ask(
+            odometry.header, projected, pose, commands, self.config.geometry, self.config.slips,
+            samples, self.config.values['seed'], bounded)
 
     def _commands(self, now_ns: int) -> List[Command]:
         """Return the twist of the wheels, held for the horizon, stage by stage."""
@@ -136,32 +155,46 @@ class ForwardProjection(DiffDriveNode[Config]):
         stages = self.config.values['stages']
         return [Command(v, w, self.config.values['horizon'] / stages)] * stages
 
-    def _project(self, odometry: Odometry, pose: Pose, commands: List[Command]) -> None:
-        config = self.config
-        if _is_heard(self._poses_publisher):
-            paths = sample_paths(
-                pose, commands, config.geometry, *config.slips, n=config.values['samples'],
-                seed=config.values['seed'])
-            ends = Pose(*(column[-1] for column in paths))
-            self._poses_publisher.publish(self._poses_message.filled(odometry.header, ends))
-        if _is_heard(self._boundary_publisher) and config.bounded():
-            travels = [travel_of_command(command, config.geometry) for command in commands]
-            x, y = reachable_set_from_slip(pose, travels, config.geometry, *config.slips)
-            self._boundary_publisher.publish(self._polygon_message.filled(odometry.header, x, y))
+    def _come_back(self, header: Header, result: Optional[Projected], error: str) -> None:
+        """Go on with a result in the loop of the node, not in the worker's thread."""
+        executor = self.executor
+        if executor:
+            executor.create_task(self._publish, header, result, error)
+
+    def _publish(self, header: Header, result: Optional[Projected], error: str) -> None:
+        if result is None:
+            self.refuse(f'to project: {error}')
+            return
+        self.sent += 1
+        if self._poses_publisher and result.rows is not None:
+            self._poses_publisher.publish(poses_message(header, result.rows))
+        if self._boundary_publisher and result.boundary is not None:
+            self._boundary_publisher.publish(polygon_message(header, *result.boundary))
+
+    def close(self) -> None:
+        """End what is still being computed."""
+        self._worker.close()
+        super().close()
 
     def diagnosis(self, look: Look) -> Diagnosis:
         """Return how odometry comes in and projections go out."""
         values = self.config.values
+        topic = self.resolve_topic_name(values['odom_topic'])
         return Diagnosis({
             **heard_values(self.heard, look.now_ns, 'odometry'),
-            'achieved projection rate [Hz]': look.rate, **stamp_values(self.counts)}, silence(
-                self.heard, look.now_ns, values['command_timeout'],
-                self.resolve_topic_name(values['odom_topic'])))
+            'achieved projection rate [Hz]': look.rate,
+            'projections skipped': self._worker.skipped, **stamp_values(self.counts),
+            **self._wheel_watch.values()}, [
+                *self._wheel_watch.troubles(), *unheard(self.heard, topic),
+                *quiet(self.heard, look.now_ns, values['command_timeout'], topic),
+                *(trouble for clock in self._clocks.values() for trouble in clock.troubles())])
 
     def _synchronised_now(self) -> int:
         now_ns, step_ns = self.now_and_step()
         if step_ns:
             self._wheels = self._wheels.clock_stepped(step_ns)
+            for clock in self._clocks.values():
+                clock.clock_stepped(step_ns)
         return now_ns
 
     def _tell_bounds(self) -> None:

@@ -66,20 +66,24 @@ def commands_from(numbers: Sequence[float]) -> List[Command]:
 
 
 def axis_limits(values: Values, axis: str) -> AxisLimits:
-    """Return the limits of ``linear.x`` or ``angular.z``; ``ValueError`` names the parameter."""
+    """Return the limits of an axis; ``ValueError`` names the parameter that was set."""
     limits = {limit: values[f'{axis}.{limit}'] for limit in LIMITS}
-    older = limits.pop('min_acceleration')
+    older, from_older = limits.pop('min_acceleration'), set()
     if not math.isnan(older):  # it bounded every fall of the velocity, max_acceleration every rise
         for limit, bound in (('max_deceleration', older), ('max_acceleration_reverse', older),
                              ('max_deceleration_reverse', limits['max_acceleration'])):
-            limits[limit] = bound if math.isnan(limits[limit]) else limits[limit]
+            if math.isnan(limits[limit]):
+                limits[limit] = bound
+                from_older.add(limit)
     for switch, what in SWITCHES.items():
         if not values[f'{axis}.{switch}']:
             limits.update({limit: math.nan for limit in limits if what in limit})
     try:
         return AxisLimits(**limits)
     except ValueError as error:
-        raise ValueError(f'{axis}.{error}') from None
+        limit, _, rest = str(error).partition(' ')
+        limit = 'min_acceleration' if limit in from_older else limit
+        raise ValueError(f'{axis}.{limit} {rest}') from None
 
 
 def check_wiring(values: Values, source: str, outputs: Tuple[str, ...]) -> None:

@@ -23,7 +23,8 @@ from diffdrive_kinematics.core.checks import check_finite
 from diffdrive_kinematics.core.commands import (
     Approach, HeadingRegulator, Law, PointForward, Points, points_of, PoseController, PurePursuit,
     Steered, SteeringLimits)
-from diffdrive_kinematics.nodes.diagnostics import Diagnosis, heard_values, Look, silence
+from diffdrive_kinematics.nodes.diagnostics import (
+    Diagnosis, heard_values, Look, quiet, unheard)
 from diffdrive_kinematics.nodes.messages import nanoseconds, pose_in_plane, TwistMessage
 from diffdrive_kinematics.nodes.node import DiffDriveNode
 from diffdrive_kinematics.nodes.running import main_of
@@ -234,14 +235,15 @@ class GoalSteering(DiffDriveNode[Config]):
     def diagnosis(self, look: Look) -> Diagnosis:
         """Return where the robot is going and how odometry comes in."""
         values = self.config.values
+        topic = self.resolve_topic_name(values['odom_topic'])
         return Diagnosis({
             'state': f'driving to {self._tasks[0]}' if self._tasks else 'without a goal',
             'distance left [m]': self._approach.distance if self._tasks else 0.0,
             'arrivals': self.counts['arrivals'], 'given up': self.counts['given up'],
             'odometry timeouts': self.counts['odometry timeouts'],
-            **heard_values(self.heard, look.now_ns, 'odometry')}, silence(
-                self.heard, look.now_ns, values['odom_timeout'],
-                self.resolve_topic_name(values['odom_topic'])))
+            **heard_values(self.heard, look.now_ns, 'odometry')}, [
+                *unheard(self.heard, topic),
+                *quiet(self.heard, look.now_ns, values['odom_timeout'], topic)])
 
     def last_word(self) -> Sequence[Publisher]:
         """Leave the robot with the command to stand still, where it was driven."""

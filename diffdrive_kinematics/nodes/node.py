@@ -17,7 +17,8 @@
 from collections import Counter
 import time
 from typing import (
-    Any, Callable, Dict, Generic, Iterator, Mapping, Optional, Sequence, Set, Tuple, TypeVar)
+    Any, Callable, Collection, Dict, Generic, Iterator, Mapping, Optional, Sequence, Set, Tuple,
+    TypeVar)
 
 from diagnostic_msgs.msg import DiagnosticArray
 from diffdrive_kinematics.core.wheel_motion import Verdict
@@ -26,11 +27,14 @@ from diffdrive_kinematics.nodes.clocks import (
 from diffdrive_kinematics.nodes.diagnostics import Diagnosis, Heard, Look, Reporter, TOPIC
 from diffdrive_kinematics.nodes.entries import Entry
 from diffdrive_kinematics.nodes.last_word import repeat_until_heard
+from diffdrive_kinematics.nodes.overrides import given_overrides
 from diffdrive_kinematics.nodes.parameters import ConfigurationError, ParameterSet
-from diffdrive_kinematics.nodes.polling import Poll, QUEUE_DEPTH as POLLED_QUEUE_DEPTH
+from diffdrive_kinematics.nodes.polling import (
+    informing, numbering, Poll, QUEUE_DEPTH as POLLED_QUEUE_DEPTH)
 from diffdrive_kinematics.nodes.qos import (
     check_delivery, Override, overrides_from, overriding_options, reliable)
 from diffdrive_kinematics.nodes.refusals import checked_clock, refusal
+from diffdrive_kinematics.nodes.simulated_clock import ClockWatch
 from diffdrive_kinematics.nodes.traffic import Traffic
 from rclpy.clock import Clock
 from rclpy.clock_type import ClockType
@@ -55,6 +59,7 @@ VERDICTS = {  # where it was seen, and what was done
     Verdict.OUT_OF_ORDER: ('stamps', 'dropped'),
     Verdict.CLOCK_STEP: ('stamps', 'nothing integrated'),
     Verdict.JUMPED: ('positions', 'they count anew, max_encoder_rate is exceeded')}
+# of a callback that rclpy hands what is known of a message, too
 UNREADABLE = (ValueError, OverflowError, rclpy_implementation.RMWError)
 HARDWARE = 'robot'  # what a node without a namespace belongs to
 # that of Cyclone DDS in Jazzy takes the time at which a message is taken for that of its arrival
@@ -78,6 +83,8 @@ class DiffDriveNode(Node, Generic[Config]):
         on simulated time, the node has timers of rclpy, and any executor will do.
     traffic : Traffic, optional
         Counts messages between the nodes of such a process.
+    neighbours : collection of str, optional
+        Names of all nodes of the process, where it has several.
 
     Raises
     ------
@@ -90,12 +97,13 @@ class DiffDriveNode(Node, Generic[Config]):
             self, name: str, table: Tuple[Entry, ...],
             build: Callable[[Mapping[str, Any]], Config], *, namespace: str = '',
             stepped: Optional[SteppedClock] = None, traffic: Optional[Traffic] = None,
-            timers: Optional[SteadyTimers] = None) -> None:
+            timers: Optional[SteadyTimers] = None, neighbours: Collection[str] = ()) -> None:
         self._polled: Set[Subscription] = set()
         self.urgent = False  # whether something comes that cannot wait for the next look
         super().__init__(name, namespace=namespace or None)
         self._stepped = stepped
         self._traffic = traffic
+        self._steady_timers = timers
         self.time_clock: Clock = stepped.ros_clock if stepped else self.get_clock()
         self._step_watch = StepWatch(self.time_clock)
         self._beat: Optional[Timers] = (
@@ -106,8 +114,11 @@ class DiffDriveNode(Node, Generic[Config]):
         self._qos_overrides = self._judged_overrides()
         self.heard, self.sent = Heard(), 0
         self._reporter: Optional[Reporter] = None
-        self.parameters: ParameterSet[Config] = ParameterSet(self, table, build)
+        self.parameters: ParameterSet[Config] = ParameterSet(self, table, build, neighbours)
         self._start_diagnostics(self.parameters.values.get('diagnostics_rate', 0.0))
+        self._clock_watch: Optional[ClockWatch] = None
+        self._watch_clock(())
+        self.add_post_set_parameters_callback(self._watch_clock)
 
     @property
     def config(self) -> Config:
@@ -144,6 +155,31 @@ class DiffDriveNode(Node, Generic[Config]):
             clock = Clock(clock_type=ClockType.STEADY_TIME)
         return self.create_timer(period_ns(rate) / 1e9, callback, clock=clock)
 
+    def steadily(self, rate: float, callback: Callable[[], None]) -> Any:
+        """Return a timer that calls back at a rate [Hz] although a simulated clock stands."""
+        if self._stepped or not self.time_clock.ros_time_is_active:
+            return self.every(rate, callback)
+        if self._steady_timers:
+            return self._steady_timers.create_timer(period_ns(rate), callback)
+        return self.create_timer(
+            period_ns(rate) / 1e9, callback, clock=Clock(clock_type=ClockType.STEADY_TIME))
+
+    def waits_for_clock(self) -> bool:
+        """Return whether the node is on simulated time that has not begun: nothing may move."""
+        return self._clock_watch is not None and not clock_ns(self.time_clock)
+
+    def clock_stood_s(self) -> float:
+        """Return for how long [s] of steady time a simulated clock has stood; 0 for others."""
+        return self._clock_watch.stood_s() if self._clock_watch else 0.0
+
+    def on_clock_look(self, stood_s: float) -> None:
+        """Do what a simulated clock that has stood for so long [s] cannot bring about."""
+
+    def _watch_clock(self, _: object) -> None:
+        """Look at the clock from now on where it is a simulated one."""
+        if not (self._clock_watch or self._stepped) and self.time_clock.ros_time_is_active:
+            self._clock_watch = ClockWatch(self)
+
     def retimed(self, timer: Any, rate: float, callback: Callable[[], None]) -> Any:
         """Return the timer, or one in its place where it has another rate [Hz]."""
         if timer.timer_period_ns == period_ns(rate):
@@ -168,7 +204,7 @@ class DiffDriveNode(Node, Generic[Config]):
         publisher = self._endpoint(
             self.create_publisher, message_type, topic, 'publisher', profile)
         if self._traffic:
-            self._traffic.count_sent(publisher)
+            self._traffic.count_sent(publisher, self.get_fully_qualified_name())
         return publisher
 
     def sender(self, publisher: Publisher) -> Callable[[bytes], None]:
@@ -187,13 +223,19 @@ class DiffDriveNode(Node, Generic[Config]):
 
     def subscribe(
             self, message_type: type, topic: str, callback: Callable[[Any], None], *,
-            raw: bool = False, best_effort: bool = False, urgent: bool = True) -> Subscription:
+            raw: bool = False, best_effort: bool = False, urgent: bool = True,
+            informed: bool = False, numbered: bool = False) -> Subscription:
         """
         Return a reliable subscription; ``raw`` hands the callback serialised messages.
+
+        One that is ``informed`` gets, as a second argument, what the middleware knows of them.
 
         What is not ``urgent`` may wait for a tenth of a second (see ``running.spin``).
 
         With ``best_effort`` it hears publishers of either kind: trackers offer no more than that.
+
+        ``numbered`` hands the callback the number of a message among those of its publisher as
+        well (0: unknown; so where time is stepped).
 
         A ``ValueError`` of the callback refuses the message: it is counted and reported, and
         the node lives on.
@@ -202,13 +244,19 @@ class DiffDriveNode(Node, Generic[Config]):
         guarded = self._guarded(topic, callback)
         if self._traffic:
             guarded = self._traffic.counted(self.resolve_topic_name(topic), guarded)
+        hear = guarded
+        if informed:
+            hear = informing(guarded)
+        elif numbered:
+            hear = numbering(guarded, stepped=bool(self._stepped))
         return self._endpoint(
             lambda message_type, topic, profile, **options: self.create_subscription(
-                message_type, topic, guarded, profile, raw=raw, **options),
+                message_type, topic, hear, profile, raw=raw, **options),
             message_type, topic, 'subscription', BEST_EFFORT if best_effort else None)
 
     def poll(
-            self, message_type: type, topic: str, callback: Callable[[bytes, int], None]) -> Poll:
+            self, message_type: type, topic: str,
+            callback: Callable[[bytes, int, int], None]) -> Poll:
         """
         Return what hands serialised messages on when it is asked to; see :class:`Poll`.
 
@@ -218,7 +266,8 @@ class DiffDriveNode(Node, Generic[Config]):
         """
         if not (isinstance(self._beat, SteadyTimers) and self._keeps_enough(topic)
                 and get_rmw_implementation_identifier() in NOTES_ARRIVAL):
-            self.subscribe(message_type, topic, lambda data: callback(data, 0), raw=True)
+            self.subscribe(message_type, topic, lambda data, number: callback(data, 0, number),
+                           raw=True, numbered=True)
             return Poll(self, callback)
         subscription = self._endpoint(
             lambda message_type, topic, profile, **options: self.create_subscription(
@@ -292,7 +341,7 @@ class DiffDriveNode(Node, Generic[Config]):
 
     def _judged_overrides(self) -> Dict[Tuple[str, str], Tuple[Override, ...]]:
         """Return the overrides of quality of service that the YAML has."""
-        given = getattr(self, '_parameter_overrides', {})
+        given = given_overrides(self)
         return self._refuse_start(
             overrides_from, {name: parameter.value for name, parameter in given.items()})
 
@@ -316,12 +365,14 @@ class DiffDriveNode(Node, Generic[Config]):
             self._reporter = Reporter(
                 self.get_fully_qualified_name(), self.get_namespace().strip('/') or HARDWARE,
                 self.publisher(DiagnosticArray, TOPIC))
-            self.every(rate, self._report)
+            self.steadily(rate, self._report)
 
     def _report(self) -> None:
         """Publish how the node is."""
         look = self._reporter.look(self.now_ns(), self.sent)
         values, troubles = self.diagnosis(look)
+        if self._clock_watch and self.time_clock.ros_time_is_active:
+            troubles = [*self._clock_watch.troubles(), *troubles]
         self._reporter.report(look.now_ns, Diagnosis(
             {**values, 'refused': self.counts['refused'],
              'clock steps': self.counts['clock steps']}, troubles))

@@ -21,11 +21,16 @@ run time is judged first, without side effects, and applied only after it was ac
 """
 
 from dataclasses import dataclass
-from typing import Any, Callable, Dict, Generic, Iterable, Mapping, Optional, Tuple, TypeVar
+import sys
+from typing import (
+    Any, Callable, Collection, Dict, Generic, Iterable, Mapping, Optional, Tuple, TypeVar)
 
 from diffdrive_kinematics.nodes import tables
 from diffdrive_kinematics.nodes.entries import Entry, Kind
+from diffdrive_kinematics.nodes.overrides import given_overrides
 from diffdrive_kinematics.nodes.qos import PREFIX as QOS_PREFIX
+from diffdrive_kinematics.nodes.refusals import ConfigurationError
+from diffdrive_kinematics.nodes.sections import doubts, params_files, sections_of
 from rcl_interfaces.msg import ParameterDescriptor, SetParametersResult
 from rclpy.node import Node
 from rclpy.parameter import Parameter
@@ -34,10 +39,6 @@ __all__ = ['ConfigurationError', 'ParameterSet', 'coerce']
 
 Config = TypeVar('Config')
 BUILT_IN = ('use_sim_time', 'start_type_description_service')
-
-
-class ConfigurationError(Exception):
-    """Parameters with which a node refuses to start; the text says what to set."""
 
 
 def coerce(entry: Entry, value: Any) -> Any:
@@ -102,6 +103,8 @@ class ParameterSet(Generic[Config]):
         What the node knows.
     build : callable
         Values by name -> frozen configuration; raises ``ValueError``.
+    neighbours : collection of str, optional
+        Names of all nodes of the process, where it has several.
 
     Raises
     ------
@@ -112,11 +115,13 @@ class ParameterSet(Generic[Config]):
 
     def __init__(
             self, node: Node, table: Tuple[Entry, ...],
-            build: Callable[[Mapping[str, Any]], Config]) -> None:
+            build: Callable[[Mapping[str, Any]], Config],
+            neighbours: Collection[str] = ()) -> None:
         self._node = node
         self._table = {entry.name: entry for entry in table}
         self._build = build
         self._on_change: Optional[Callable[[Config], None]] = None
+        self._report_doubts(neighbours)
         self._judged = self._judge_start()
         node.add_on_set_parameters_callback(self._judge_change)
         node.add_post_set_parameters_callback(self._apply_change)
@@ -192,10 +197,17 @@ class ParameterSet(Generic[Config]):
         if self._on_change is not None:
             self._on_change(judged.config)
 
+    def _report_doubts(self, neighbours: Collection[str]) -> None:
+        """Report sections of params files that were probably meant for this node."""
+        for doubt in doubts(
+                sections_of(params_files(sys.argv)), self._node.get_fully_qualified_name(),
+                tuple(self._table.values()), given_overrides(self._node), neighbours):
+            self._node.get_logger().warning(doubt)
+
     def _report_unknown(self) -> None:
         """Report overrides that this node ignores: typos, and what only a peer knows."""
         logger = self._node.get_logger()
-        for name in getattr(self._node, '_parameter_overrides', {}):
+        for name in given_overrides(self._node):
             if name in self._table or name in BUILT_IN or name in tables.KNOWN_NAMES:
                 continue
             if name.startswith(QOS_PREFIX):

@@ -32,6 +32,7 @@ from diffdrive_kinematics.nodes.drawing import draw, Picture
 from diffdrive_kinematics.nodes.from_values import commands_from, wheel_slips
 from diffdrive_kinematics.nodes.model_paths import model_config, model_pictures, ModelConfig
 from diffdrive_kinematics.nodes.node import DiffDriveNode
+from diffdrive_kinematics.nodes.output import exit_status, report
 from diffdrive_kinematics.nodes.parameters import ConfigurationError
 from diffdrive_kinematics.nodes.running import run, Stop
 from diffdrive_kinematics.nodes.share import with_params_file
@@ -158,8 +159,8 @@ def work(_: Stop) -> int:
             f'output is {file!r}, expected a file that can be written: {error}') from error
     finally:
         node.destroy_node()
-    print(file, flush=True)
-    return 0
+    report(file)
+    return exit_status()
 
 
 def main() -> None:

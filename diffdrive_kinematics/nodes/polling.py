@@ -14,14 +14,49 @@
 
 """Messages that are looked at when a timer fires, so that none of them wakes the process."""
 
-from typing import Any, Callable, Optional
+import inspect
+from typing import Any, Callable, Mapping, Optional
 
 from rclpy.subscription import Subscription
 
-__all__ = ['Poll', 'QUEUE_DEPTH']
+__all__ = ['Poll', 'QUEUE_DEPTH', 'informing', 'numbering']
 
 LEAST_RATE = 20.0  # [Hz]
 QUEUE_DEPTH = 100  # at LEAST_RATE: 2000 messages a second
+
+
+def _number_in(told: Mapping[str, Any]) -> int:
+    """Return the number of a message among those of its publisher; 0: it has none."""
+    return told['publication_sequence_number'] or 0
+
+
+def informing(callback: Callable[[Any, Mapping[str, Any]], None]) -> Callable[..., None]:
+    """
+    Return what an executor calls back; the callback also gets what the middleware tells.
+
+    EventsExecutor hands on message and information as one argument, other executors as two.
+    """
+    def hear(*taken: Any) -> None:
+        message, told = taken if len(taken) == 2 else taken[0]
+        callback(message, told)
+
+    hear.__signature__ = inspect.signature(_both)  # type: ignore[attr-defined]
+    return hear
+
+
+def numbering(callback: Callable[[Any, int], None], *, stepped: bool) -> Callable[..., None]:
+    """
+    Return what an executor calls back with a message, and the callback gets its number as well.
+
+    The number is 0 where time is ``stepped``, as it is the same in every run.
+    """
+    if stepped:
+        return lambda message: callback(message, 0)
+    return informing(lambda message, told: callback(message, _number_in(told)))
+
+
+def _both(message: Any, told: Mapping[str, Any]) -> None:
+    """Show rclpy that a callback wants to know what the middleware tells of a message."""
 
 
 class Poll:
@@ -33,15 +68,15 @@ class Poll:
     node : DiffDriveNode
         It makes a timer where nobody looks as often as the queue needs.
     callback :
-        Gets a serialised message, and the time [ns] on the system's clock at which it came, or 0
-        where that is unknown.
+        Gets a serialised message, the time [ns] on the system's clock at which it came, and its
+        number among those of its publisher; 0 where they are unknown.
     subscription : Subscription, optional
         One that no executor looks after; without it there is nothing to look at.
 
     """
 
     def __init__(
-            self, node: Any, callback: Callable[[bytes, int], None],
+            self, node: Any, callback: Callable[[bytes, int, int], None],
             subscription: Optional[Subscription] = None) -> None:
         self._node, self._callback, self._subscription = node, callback, subscription
         self._timer: Any = None
@@ -55,7 +90,8 @@ class Poll:
             taken = take(kind, True)
             if not taken:
                 return
-            self._callback(taken[0], taken[1]['received_timestamp'])
+            data, told = taken
+            self._callback(data, told['received_timestamp'], _number_in(told))
 
     def promise(self, rate: float) -> None:
         """Be told the rate [Hz] at which ``take`` is called from now on."""

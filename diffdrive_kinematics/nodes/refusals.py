@@ -20,7 +20,11 @@ from diffdrive_kinematics.nodes.messages import check_time
 from rcl_interfaces.msg import SetParametersResult
 from rosgraph_msgs.msg import Clock
 
-__all__ = ['checked_clock', 'refusal']
+__all__ = ['ConfigurationError', 'checked_clock', 'refusal']
+
+
+class ConfigurationError(Exception):
+    """Parameters with which a node refuses to start; the text says what to set."""
 
 
 def checked_clock(callback: Callable[[Clock], None]) -> Callable[[Clock], None]:

@@ -21,12 +21,14 @@ callbacks.  Where it is missing, SingleThreadedExecutor takes its place.
 """
 
 import gc
+import os
 import signal
 import sys
 import time
 from typing import Callable, Iterable, List, Optional
 
 from diffdrive_kinematics.nodes.clocks import SteadyTimers
+from diffdrive_kinematics.nodes.logs import check_log_directory, with_remedy
 from diffdrive_kinematics.nodes.node import DiffDriveNode
 from diffdrive_kinematics.nodes.parameters import ConfigurationError
 from diffdrive_kinematics.nodes.waking import Awake
@@ -115,6 +117,7 @@ def run(work: Callable[[Stop], int], args: Optional[List[str]] = None) -> int:
     """Initialise rclpy, do ``work``, and return its exit status, whatever ends it."""
     stop = Stop()
     try:
+        check_log_directory(os.environ, sys.argv if args is None else args)
         rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
         return work(stop)
     except rclpy_implementation.UnknownROSArgsError as error:
@@ -123,7 +126,7 @@ def run(work: Callable[[Stop], int], args: Optional[List[str]] = None) -> int:
               file=sys.stderr)
         return CONFIGURATION_ERROR
     except (rclpy_implementation.RCLError, NameValidationException) as error:
-        print(f'diffdrive_kinematics: {error}', file=sys.stderr)
+        print(f'diffdrive_kinematics: {with_remedy(str(error))}', file=sys.stderr)
         return CONFIGURATION_ERROR
     except ConfigurationError as error:
         rclpy.logging.get_logger('diffdrive_kinematics').fatal(str(error))

@@ -26,9 +26,12 @@ from diffdrive_kinematics.core.distributions import sample_heading
 from diffdrive_kinematics.core.encoders import Encoder
 from diffdrive_kinematics.core.frames import composed, inverted, OdometryHistory
 from diffdrive_kinematics.core.geometry import WheelGeometry
+from diffdrive_kinematics.core.measured_wheels import MeasuredWheels
+from diffdrive_kinematics.core.rate_window import RateWindow
 from diffdrive_kinematics.core.wheel_motion import Pair, timeout_from_seconds, Verdict
 from diffdrive_kinematics.nodes.diagnostics import (
-    Diagnosis, heard_values, Look, silence, slowness, stamp_values)
+    Diagnosis, heard_values, Look, quiet, slowness, stamp_values, unheard)
+from diffdrive_kinematics.nodes.driver_watch import DriverWatch
 from diffdrive_kinematics.nodes.from_values import check_sides, check_wiring, wheel_geometry
 from diffdrive_kinematics.nodes.messages import (
     check_stamp, given_pose, nanoseconds, OdometryMessage, pose_in_plane)
@@ -39,6 +42,7 @@ from diffdrive_kinematics.nodes.tables import SIMULATED_BASE
 from diffdrive_kinematics.nodes.tf import frame_prefix, TransformPublisher
 from diffdrive_kinematics.nodes.wheel_joints import wheel_joints
 from diffdrive_kinematics.nodes.wheel_messages import WheelMessage, WheelReader
+from diffdrive_kinematics.nodes.wheel_watch import WheelWatch
 from geometry_msgs.msg import PoseWithCovarianceStamped
 from nav_msgs.msg import Odometry
 import numpy as np
@@ -100,13 +104,17 @@ class SimulatedBase(DiffDriveNode[Config]):
     It publishes from the first wheel motion on: odometry means that the wheels are heard.
     """
 
+    TABLE = SIMULATED_BASE
+
     def __init__(self, name: str = 'simulated_base', **composition: Any) -> None:
-        super().__init__(name, SIMULATED_BASE, build, **composition)
+        super().__init__(name, self.TABLE, build, **composition)
         values = self.config.values
         joints = wheel_joints(values)
         encoder = Encoder(values['encoder_range'], values['encoder_resolution'])
         self._reader = WheelReader(
             joints, positions=values['position_feedback'], encoder_range=encoder.period)
+        self._driver = DriverWatch(self, values['wheel_motion_topic'])
+        self._wheel_watch = WheelWatch(self, self._reader, values['wheel_motion_topic'])
         self._wheel_motion = self.poll(  # first, since it takes longest: others have to find it
             JointState, values['wheel_motion_topic'], self._on_wheels)
         self._wheel_motion.promise(values['publish_rate'])
@@ -114,7 +122,9 @@ class SimulatedBase(DiffDriveNode[Config]):
         self._odometry = core.Odometry.starting_at(
             pose, geometry=self.config.geometry, timeout_ns=self.config.timeout_ns,
             slip_variances=self.config.slip_variances, covariance=covariance)._replace(
-                max_rate=_bound(values))
+                max_rate=_bound(values), unmeasured=MeasuredWheels(
+                    values['extrapolate_positions'],
+                    RateWindow(values['velocity_rolling_window_size'])))
         self._wheels = WheelMessage(joints, self.source(), encoder)
         prefix = frame_prefix(values, self.get_namespace())
         self._message = OdometryMessage(
@@ -148,14 +158,20 @@ class SimulatedBase(DiffDriveNode[Config]):
         """Return the base as it is now."""
         return self._odometry.at(self._updated_now())
 
-    def _on_wheels(self, message: bytes, received_ns: int) -> None:
+    def _on_wheels(self, message: bytes, received_ns: int, number: int) -> None:
         now_ns = self._synchronised_now()
+        if not now_ns and self.waits_for_clock():
+            return
         now_ns = min(now_ns, received_ns or now_ns)
-        sample = self._reader.read(message, lambda: now_ns)
+        sample = self._reader.read(message, lambda: now_ns, number)
         if sample is None:
             return
         self.heard.note(now_ns, sample.stamp_ns)
-        self._odometry, verdict = self._odometry.received(sample, now_ns)
+        before = self._odometry
+        odometry, verdict = before.received(sample, now_ns)
+        self._odometry = odometry
+        if odometry.clock is not before.clock or odometry.measured is not before.measured:
+            self._driver.look(odometry)
         self.judge(verdict, self.config.values['wheel_motion_topic'])
         if self._map_odom:
             self._history = self._history.followed(self._odometry)
@@ -174,10 +190,10 @@ class SimulatedBase(DiffDriveNode[Config]):
         if not stamp_ns:
             raise ValueError('stamp is 0, expected the time of the pose')
         believed = pose_in_plane(belief.pose.pose)
-        now_ns = self._updated_now()
+        self._updated_now()
         if self._odometry.motion is None:
             return
-        truth = self._history.pose_at(stamp_ns, now_ns)
+        truth = self._history.pose_at(stamp_ns)
         self._map_odom.publish(
             stamp_ns, (own, belief.header.frame_id), composed(truth, inverted(believed)))
 
@@ -232,15 +248,24 @@ class SimulatedBase(DiffDriveNode[Config]):
     def diagnosis(self, look: Look) -> Diagnosis:
         """Return how wheel motion comes in and odometry goes out."""
         values = self.config.values
+        topic = self.resolve_topic_name(values['wheel_motion_topic'])
         return Diagnosis({
             **heard_values(self.heard, look.now_ns, 'wheel motion'),
             'achieved odometry rate [Hz]': look.rate, **stamp_values(self.counts),
             'position jumps': self.counts[Verdict.JUMPED.value],
             'last now - stamp [s]': self.heard.skew_ns / 1e9,
-            'largest now - stamp [s]': self.heard.largest_skew_ns / 1e9}, [
-                *silence(self.heard, look.now_ns, values['command_timeout'],
-                         self.resolve_topic_name(values['wheel_motion_topic'])),
+            'largest now - stamp [s]': self.heard.largest_skew_ns / 1e9,
+            **self._wheel_watch.values(), **self._driver.values(self._odometry)}, [
+                *self._wheel_watch.troubles(), *self._driver.troubles(),
+                *unheard(self.heard, topic),
+                *quiet(self.heard, look.now_ns, values['command_timeout'], topic,
+                       at_rest=self._motion_at_rest()),
                 *slowness(look, values['publish_rate'])])
+
+    def _motion_at_rest(self) -> bool:
+        """Return whether the wheels were at rest when they were heard last."""
+        motion = self._odometry.motion
+        return motion is not None and motion.rates == (0.0, 0.0)
 
     def _updated_now(self) -> int:
         """Return the time, after all wheel motion that has come up to then."""
@@ -249,7 +274,7 @@ class SimulatedBase(DiffDriveNode[Config]):
 
     def _synchronised_now(self) -> int:
         now_ns, step_ns = self.now_and_step()
-        if step_ns and not self.heard.agrees_after(step_ns):  # else the stamps were stepped before
+        if step_ns:
             self._odometry = self._odometry.clock_stepped(step_ns)
             self._history = OdometryHistory((self._odometry,))
         return now_ns

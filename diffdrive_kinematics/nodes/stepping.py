@@ -18,11 +18,13 @@ Fast mode: time moves in fixed steps, as fast as the nodes of the process can fo
 In each step the timers that are due fire one after the other, in a fixed order, and after each
 every message that it caused is handled before anything else happens.  So the numbers do not
 depend on how fast the machine is, and are the same every time.  ``/clock`` tells other processes.
+Where another one publishes what the nodes say to each other, the drive ends.
 """
 
 import time
 from typing import Callable, List
 
+from diffdrive_kinematics.nodes.alone import check_alone
 from diffdrive_kinematics.nodes.clocks import SteppedClock
 from diffdrive_kinematics.nodes.messages import set_stamp
 from diffdrive_kinematics.nodes.node import DiffDriveNode
@@ -38,6 +40,8 @@ DISCOVERY_TIMEOUT_S = 10.0
 DELIVERY_TIMEOUT_S = 5.0
 POLL_S = 0.01
 LOOK_PERIOD_S = 0.002
+LOOK_AROUND_PERIOD_S = 0.05
+NAME_TIMEOUT_S = 0.5
 
 
 class Stepper:
@@ -69,15 +73,24 @@ class Stepper:
         self._message = Clock()
         self._steps = 0
         self._began = 0.0
-        self._look_at = 0.0
+        self._look_at = self._look_around_at = 0.0
 
     def spin(self, executor: Executor, finished: Callable[[], bool], stop: Stop) -> None:
-        """Step until finished or asked to stop."""
+        """
+        Step until finished or asked to stop.
+
+        Raises
+        ------
+        Disturbed
+            If another process publishes to the nodes, or another clock.
+
+        """
         self._discover(executor, stop)
         self._began = time.monotonic()
         while not stop and not finished():
             self._step(executor)
             self._pace(executor, stop)
+        self._look_around(patience_s=NAME_TIMEOUT_S)
 
     def rate(self) -> float:
         """Return the simulated seconds a second so far (the real-time factor)."""
@@ -87,6 +100,7 @@ class Stepper:
         """Wait until the members hear each other, or no message would be sure to arrive."""
         deadline = time.monotonic() + DISCOVERY_TIMEOUT_S
         while not stop and time.monotonic() < deadline:
+            self._look_around()
             ready = [member.ready() for member in self._members]
             if all(ready) and self._traffic.matched():
                 return
@@ -104,10 +118,18 @@ class Stepper:
         if time.monotonic() > self._look_at:
             executor.spin_once(timeout_sec=0)  # services, and messages of other processes
             self._look_at = time.monotonic() + LOOK_PERIOD_S
+            if self._look_at > self._look_around_at:
+                self._look_around()
         self._traffic.forget()
         for timer in self._stepped.due():
             self._stepped.fire(timer)
             self._deliver(executor)
+
+    def _look_around(self, *, patience_s: float = 0.0) -> None:
+        """Raise ``Disturbed`` where others publish what only this process should."""
+        self._look_around_at = time.monotonic() + LOOK_AROUND_PERIOD_S
+        clock = {self._publisher.topic_name: [self._node.get_fully_qualified_name()]}
+        check_alone(self._node, {**self._traffic.heard_within(), **clock}, patience_s=patience_s)
 
     def _deliver(self, executor: Executor) -> None:
         """Let every message in flight be handled, and all that these cause."""

@@ -28,17 +28,18 @@ from diffdrive_kinematics.core.checks import (
 from diffdrive_kinematics.core.distributions import DISTRIBUTIONS
 from diffdrive_kinematics.nodes.entries import (
     check_bias, check_concentration, check_count, check_description, check_diagonal,
-    check_distribution, check_horizon, check_joint_names, check_named, check_one_of,
-    check_optional_picture, check_optional_seed, check_picture, check_pose,
-    check_positive_or_nan, check_range, check_rate_or_off, check_resolution, check_seed,
-    check_slip_model, check_stages, check_step, check_wheel_base, check_width, Entry, Kind, string,
+    check_distribution, check_frame, check_horizon, check_joint_names, check_named, check_offset,
+    check_one_of, check_optional_picture, check_optional_seed, check_picture, check_pose,
+    check_positive_or_nan, check_prefix, check_range, check_rate_or_off, check_resolution,
+    check_seed, check_slip_model, check_stages, check_step, check_wheel_base, check_width,
+    check_window, Entry, Kind, string,
     topic)
 
 __all__ = [
     'CALIBRATE', 'COMMAND_SEQUENCE', 'DIFFDRIVE_SIM', 'DIFF_DRIVE_CONTROLLER',
     'FORWARD_PROJECTION', 'GOAL_STEERING', 'KNOWN_NAMES', 'LIMITS', 'MODELS', 'PLOT_PATHS',
     'ROBOT_DESCRIPTION', 'SIMULATED_BASE', 'SWITCHES', 'TABLES', 'WHEEL_NOISE',
-    'only_in_ros2_controllers']
+    'WHEEL_ODOMETRY', 'only_in_ros2_controllers']
 
 MODELS = (
     'unicycle', 'differential_drive', 'tricycle', 'bicycle', 'car', 'front_drive_tricycle',
@@ -101,8 +102,9 @@ LIMITS = {
     'max_acceleration_reverse': 'speeding up in reverse, below 0; NaN: -max_acceleration',
     'max_deceleration': 'slowing down forward, below 0; NaN: max_acceleration_reverse',
     'max_deceleration_reverse': 'slowing down in reverse, above 0; NaN: -max_deceleration',
-    'max_jerk': 'growth of the acceleration, above 0; NaN: no limit',
-    'min_jerk': 'the same in reverse, below 0; NaN: -max_jerk',
+    'max_jerk': 'rise of the acceleration (as speeding up forward begins and braking ends), above '
+                '0; NaN: no limit',
+    'min_jerk': 'fall of the acceleration, below 0; NaN: -max_jerk',
     'min_acceleration': 'older YAML: bound of every fall of the velocity, below 0'}
 SWITCHES = {  # what their limits have in their names
     'has_velocity_limits': 'velocity', 'has_acceleration_limits': 'celeration',
@@ -128,6 +130,9 @@ def _axis_entries() -> Tuple[Entry, ...]:
 DIFF_DRIVE_CONTROLLER = (
     *_GEOMETRY, *_JOINTS,
     topic('cmd_vel_topic', 'cmd_vel', 'velocity commands in'),
+    topic('emergency_stop_topic', '', 'Bool in, latched or not; true: wheels at rest at once, and '
+          'no command is obeyed until it is false; empty: only ~/stop and ~/resume are there',
+          optional=True),
     topic('wheel_rates_topic', 'wheel_rates', 'wheel rates out, JointState'),
     topic('wheel_commands_topic', '', 'wheel rates out as Float64MultiArray, left wheels then '
           'right wheels, for a ros2_control velocity controller; empty: off', optional=True),
@@ -138,13 +143,16 @@ DIFF_DRIVE_CONTROLLER = (
           read_only=True),
     Entry('stamp_tolerance', 0.0, 'how old [s] the stamp of a command may be to be handed on to '
           'the wheel rates; older: the time of arrival', check=check_duration),
-    Entry('cmd_vel_timeout', 0.5, 'age [s] at which a command ends and the drive brakes; 0: '
-          'never', check=check_duration),
+    Entry('cmd_vel_timeout', 0.5, 'age [s] at which a command ends and the drive brakes, and at '
+          'which one that comes is refused as old; 0: never', check=check_duration),
+    Entry('cmd_vel_clock_offset', 0.0, 'what the clock of the controller shows less what that of '
+          'the stamps of commands shows [s]; NaN: unknown, stamps do not count',
+          check=check_offset),
     Entry('publish_rate', 50.0, 'rate [Hz] at which the wheel rates are repeated and ramps step',
           check=check_rate),
     Entry('max_wheel_rate', math.nan, 'bound [rad/s] of all wheels; beyond it both sides are '
           'scaled by one factor, so that the path keeps its curvature; NaN: none'),
-    string('base_frame_id', 'base_link', 'frame of the limited velocity', check_named),
+    string('base_frame_id', 'base_link', 'frame of the limited velocity', check_frame),
     *_axis_entries(), _DIAGNOSTICS, _EXECUTOR)
 
 WHEEL_NOISE = (
@@ -188,9 +196,14 @@ SIMULATED_BASE = (
             'up to half a range a message; 0: they do not wrap'),
     Entry('encoder_resolution', 0.0, 'ticks a turn of the wheel in the positions of joint states '
           'out; 0: ideal', check=check_resolution, read_only=True),
-    Entry('max_encoder_rate', math.nan, 'wheel rate [rad/s], well above what the wheels can do: '
-          'positions that went faster between two messages count anew, as encoders that started '
-          'again elsewhere do; NaN: none', check=check_positive_or_nan),
+    Entry('max_encoder_rate', 1000.0, 'wheel rate [rad/s], well above what the wheels can do: '
+          "a driver's positions that went faster between two messages count anew, as encoders "
+          'that started again elsewhere do; NaN: none', check=check_positive_or_nan),
+    Entry('velocity_rolling_window_size', 10, "over how many messages of a driver's positions the "
+          'twist is taken', Kind.INTEGER, check_window, read_only=True),
+    Entry('extrapolate_positions', True, "whether the pose goes on from a driver's last positions "
+          'by the rates of that window, so that it is that of its stamp', Kind.BOOL,
+          read_only=True),
     *_START,
     Entry('initial_heading_seed', -1, 'draw the yaw at start with this seed, as a ground truth '
           'does; -1: do not, and publish how uncertain it is', Kind.INTEGER, check_optional_seed,
@@ -203,10 +216,10 @@ SIMULATED_BASE = (
     topic('belief_topic', 'odom', 'odometry in that publish_map_odom_tf corrects'),
     Entry('tf_frame_prefix_enable', False, 'put a prefix before odom_frame_id and base_frame_id',
           Kind.BOOL, read_only=True),
-    string('tf_frame_prefix', '', 'that prefix, with or without a slash at its end; empty: the '
-           'namespace of the node'),
-    string('odom_frame_id', 'odom', 'fixed frame of the odometry', check_named),
-    string('base_frame_id', 'base_link', 'frame of the robot', check_named),
+    string('tf_frame_prefix', '', 'that prefix, with or without a slash at its end; empty or ~: '
+           'the namespace of the node', check_prefix),
+    string('odom_frame_id', 'odom', 'fixed frame of the odometry', check_frame),
+    string('base_frame_id', 'base_link', 'frame of the robot', check_frame),
     *_SLIP,
     Entry('slip_model', 'travel', 'as in wheel_noise; the variances of command are none per metre '
           'and are not counted here', Kind.STRING, check_slip_model),
@@ -225,6 +238,10 @@ SIMULATED_BASE = (
           check=check_rate, read_only=True),
     _DIAGNOSTICS, _EXECUTOR)
 
+_OF_A_ROBOT = {'wheel_motion_topic': 'joint_states', 'joint_states_topic': ''}
+WHEEL_ODOMETRY = tuple(
+    replace(entry, default=_OF_A_ROBOT.get(entry.name, entry.default)) for entry in SIMULATED_BASE)
+
 _SQUARE = (
     Entry('square_side', 0.0, 'side [m] of the square of UMBmark; 0: none',
           check=check_non_negative, read_only=True),
@@ -235,7 +252,7 @@ COMMAND_SEQUENCE = (
     topic('cmd_vel_topic', 'cmd_vel', 'velocity commands out'),
     Entry('enable_stamped_cmd_vel', False, 'publish TwistStamped instead of Twist', Kind.BOOL,
           read_only=True),
-    string('base_frame_id', 'base_link', 'frame of stamped commands', check_named),
+    string('base_frame_id', 'base_link', 'frame of stamped commands', check_frame),
     Entry('commands', [], 'v [m/s], omega [rad/s], duration [s] of each command, one after '
           'another in one flat list', Kind.DOUBLES, read_only=True),
     string('recording', '', 'CSV file (or .csv.gz) time_sec,linear_x,angular_z to play instead '
@@ -385,7 +402,7 @@ ROBOT_DESCRIPTION = (
     *_GEOMETRY, *_JOINTS,
     topic('robot_description_topic', 'robot_description', 'URDF out, String'),
     string('robot_name', 'diffdrive', 'name of the robot in the URDF', check_named),
-    string('base_frame_id', 'base_link', 'link on the ground between the wheels', check_named),
+    string('base_frame_id', 'base_link', 'link on the ground between the wheels', check_frame),
     Entry('wheel_base', math.nan, 'distance [m] from the first to the last wheel of a side, which '
           'are in order from front to rear; NaN: 2.5 radii a wheel', check=check_wheel_base),
     Entry('wheel_width', math.nan, 'width [m] of the wheels, above 0; NaN: half a radius',
@@ -404,15 +421,14 @@ DIFFDRIVE_SIM = (
 
 TABLES = {
     'diff_drive_controller': DIFF_DRIVE_CONTROLLER, 'wheel_noise': WHEEL_NOISE,
-    'simulated_base': SIMULATED_BASE, 'command_sequence': COMMAND_SEQUENCE,
-    'forward_projection': FORWARD_PROJECTION, 'goal_steering': GOAL_STEERING,
-    'plot_paths': PLOT_PATHS, 'calibrate': CALIBRATE,
+    'simulated_base': SIMULATED_BASE, 'wheel_odometry': WHEEL_ODOMETRY,
+    'command_sequence': COMMAND_SEQUENCE, 'forward_projection': FORWARD_PROJECTION,
+    'goal_steering': GOAL_STEERING, 'plot_paths': PLOT_PATHS, 'calibrate': CALIBRATE,
     'robot_description': ROBOT_DESCRIPTION, 'diffdrive_sim': DIFFDRIVE_SIM}
 KNOWN_NAMES = frozenset(entry.name for table in TABLES.values() for entry in table)
 
 _ROS2_CONTROLLERS = frozenset((
-    'type', 'wheels_per_side', 'open_loop', 'velocity_rolling_window_size', 'use_stamped_vel',
-    'update_rate', 'is_async',
+    'type', 'wheels_per_side', 'open_loop', 'use_stamped_vel', 'update_rate', 'is_async',
     'publish_wheel_data'))
 
 

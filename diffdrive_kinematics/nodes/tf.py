@@ -30,11 +30,15 @@ def frame_prefix(values: Mapping[str, Any], namespace: str) -> str:
     """
     Return what stands before the frames of a node, as in ros2_controllers; '' where not enabled.
 
-    Without a prefix of its own it is the namespace; it ends with a slash and begins with none.
+    Without a prefix of its own it is the namespace, which is ``~`` in one; it ends with a slash
+    and begins with none.
     """
     if not values['tf_frame_prefix_enable']:
         return ''
-    prefix = (values['tf_frame_prefix'] or namespace).strip('/')
+    prefix = values['tf_frame_prefix'] or '~'
+    if prefix.startswith('~'):
+        prefix = namespace + prefix[1:]
+    prefix = prefix.strip('/')
     return f'{prefix}/' if prefix else ''
 
 

@@ -15,7 +15,7 @@
 """Counts the messages on their way between the nodes of one process."""
 
 from collections import Counter
-from typing import Any, Callable
+from typing import Any, Callable, Dict, List
 
 from rclpy.publisher import Publisher
 
@@ -33,6 +33,7 @@ class Traffic:
     def __init__(self) -> None:
         self._listeners: 'Counter[str]' = Counter()
         self._in_flight: 'Counter[str]' = Counter()
+        self._owners: Dict[str, List[str]] = {}
         self.publishers: 'list[Publisher]' = []
 
     def counted(self, topic: str, callback: Callable[..., None]) -> Callable[..., None]:
@@ -51,8 +52,8 @@ class Traffic:
         """Note that a subscription of this process is gone."""
         self._listeners[topic] -= 1
 
-    def count_sent(self, publisher: Publisher) -> None:
-        """Count what a publisher sends from now on."""
+    def count_sent(self, publisher: Publisher, node: str) -> None:
+        """Count what a publisher of a node sends from now on."""
         topic, publish = publisher.topic_name, publisher.publish
 
         def counted(message: object) -> None:
@@ -61,6 +62,7 @@ class Traffic:
 
         publisher.publish = counted
         self.publishers.append(publisher)
+        self._owners.setdefault(topic, []).append(node)
 
     def settled(self) -> bool:
         """Return whether nothing is on its way."""
@@ -69,6 +71,10 @@ class Traffic:
     def forget(self) -> None:
         """Start counting anew, so that messages from elsewhere do not add up."""
         self._in_flight.clear()
+
+    def heard_within(self) -> Dict[str, List[str]]:
+        """Return the nodes that publish each topic on which this process listens to itself."""
+        return {topic: nodes for topic, nodes in self._owners.items() if self._listeners[topic]}
 
     def matched(self) -> bool:
         """Return whether every publisher has found the subscriptions of this process."""

@@ -14,12 +14,13 @@
 
 """Wheel motion as JointState: read in any shape, written with the bytes overwritten in place."""
 
-import math
 from typing import Callable, Dict, Optional, Sequence, Tuple, Union
 
-from diffdrive_kinematics.core.encoders import Encoder, PositionTrack
+from diffdrive_kinematics.core.encoders import Encoder
+from diffdrive_kinematics.core.sources import Spoken
 from diffdrive_kinematics.core.wheel_motion import Pair, WheelSample
 from diffdrive_kinematics.nodes.messages import check_stamp
+from diffdrive_kinematics.nodes.wheel_gathering import Gathered, Gathering
 from diffdrive_kinematics.nodes.wheel_joints import WheelJoints
 from diffdrive_kinematics.nodes.wire import (
     joint_names, JointStateLayout, Layout, NANOSECONDS, Template)
@@ -29,17 +30,19 @@ from sensor_msgs.msg import JointState
 __all__ = ['WheelCommandMessage', 'WheelMessage', 'WheelReader']
 
 MOST_LAYOUTS = 16
-Indices = Tuple[Tuple[int, ...], Tuple[int, ...]]
+NOBODY = -1
 
 
 class WheelReader:
     """
     Reads wheel motion from JointState: joints in any order, several wheels a side.
 
-    A side's rate and position are the means over its wheels.  ``header.frame_id``, which has no
-    other meaning in a JointState, tells one run of a publisher of this package from another.
-    Positions that wrap around with the range of the encoders [rad] are followed, each joint by
-    itself; range 0: they do not wrap.
+    A side's rate and position are the means over its wheels, but for those that say nothing or
+    contradict the others; of several publishers of the same joints one is believed; messages
+    that carry only some of the joints are put together (see ``Gathering``).
+    ``header.frame_id``, which has no other meaning in a JointState, tells one run of a publisher
+    of this package from another.  Positions that wrap around with the range of the encoders
+    [rad] are followed, each joint by itself; range 0: they do not wrap.
     """
 
     def __init__(
@@ -47,38 +50,43 @@ class WheelReader:
             encoder_range: float = 0.0) -> None:
         self._joints = joints
         self._with_positions = positions
-        self._fresh_track = self._track = PositionTrack(encoder_range)
-        self._source = ''
-        self._known_names: Sequence[str] = ()
-        self._indices: Optional[Indices] = None
+        self._plain = len(joints.all_names()) == 2 and not encoder_range
+        self.gathering = Gathering(joints, encoder_range)
+        self._names: Sequence[str] = ()
+        self.partial: Sequence[str] = ()  # the names of the last message with only some of ours
+        self._indices: Tuple[int, ...] = ()
+        self._ours: Tuple[int, ...] = ()
         self._layouts: Dict[int, JointStateLayout] = {}
+        self._next, self._tag = NOBODY, ''  # whose message, if one comes, is the usual one
+        self._last: Tuple[Sequence[float], Sequence[float], int] = (), (), 0
 
     def read(
-            self, message: Union[JointState, bytes],
-            now_ns: Callable[[], int]) -> Optional[WheelSample]:
+            self, message: Union[JointState, bytes], now_ns: Callable[[], int],
+            number: int = 0) -> Optional[WheelSample]:
         """
-        Return the wheel sample of a message, serialised or not; None: none of our joints is in it.
+        Return the wheel sample of a message, serialised or not.
 
-        A zero stamp means now.  Values that are NaN for all our joints count as absent, since
-        joint_state_broadcaster fills in NaN for what a robot does not measure.
+        None: none of our joints is in it, it is one of several that make a sample, or another
+        publisher is believed.  A zero stamp means now.  Values that are NaN for all our joints
+        count as absent, since joint_state_broadcaster fills in NaN for what a robot does not
+        measure.  ``number`` is that of the message among those of its publisher; 0: unknown.
 
         Raises
         ------
         ValueError
-            If some of our joints are missing, lengths do not match, values are not finite, or
-            the stamp is none.
+            If lengths do not match, values are not finite, or the stamp is none.
 
         """
         if isinstance(message, bytes):
             layout = self._layouts.get(len(message))
             fields = layout.read(message) if layout else None
             if layout and fields:
-                return self._sample(layout.names, layout.frame_id, *fields, now_ns)
+                return self._sample(layout.names, layout.frame_id, *fields, now_ns, number)
             message = self._deserialised(message)
         stamp = message.header.stamp
         return self._sample(
             tuple(message.name), message.header.frame_id, stamp.sec, stamp.nanosec,
-            message.position, message.velocity, now_ns)
+            message.position, message.velocity, now_ns, number)
 
     def _deserialised(self, data: bytes) -> JointState:
         """Return the message, and remember its layout: the next one will have the same."""
@@ -91,69 +99,80 @@ class WheelReader:
     def _sample(
             self, names: Sequence[str], source: str, sec: int, nanosec: int,
             position: Sequence[float], velocity: Sequence[float],
-            now_ns: Callable[[], int]) -> Optional[WheelSample]:
-        if names != self._known_names:
-            self._indices, self._known_names = self._find(names), names
+            now_ns: Callable[[], int], number: int) -> Optional[WheelSample]:
+        if names != self._names:
+            self._find(names)
         indices = self._indices
-        if indices is None:
+        if not indices:
             return None
         check_stamp(sec, nanosec)
-        rates = self._pair('velocity', velocity, indices)
+        rates = self._values('velocity', velocity, indices)
         positions = None
         if self._with_positions:
-            if self._track.period:
-                position = self._followed(position, source, indices)
-            positions = self._pair('position', position, indices)
-        if rates is not None and positions is not None:
-            rates = None if _is_nan(*rates) else rates
-            positions = None if rates and _is_nan(*positions) else positions
-        return WheelSample(
-            sec * NANOSECONDS + nanosec or now_ns(), rates, positions, source)
+            positions = self._values('position', position, indices)
+        arrived_ns = now_ns()
+        stamp_ns = sec * NANOSECONDS + nanosec or arrived_ns
+        if number == self._next and source == self._tag:
+            self._last = positions or (), rates or (), arrived_ns
+            if number:
+                self._next = number + 1
+        else:
+            gathered = self._gathered(
+                Spoken(source, self._ours, number, arrived_ns, positions or (), rates or ()),
+                stamp_ns)
+            if gathered is None:
+                return None
+            stamp_ns, positions, rates, source = gathered
+        if rates is not None:
+            rates = self._joints.signed(rates)
+        if positions is not None:
+            positions = self._joints.signed(positions)
+            if rates is not None:
+                rates = None if _is_nan(*rates) else rates
+                positions = None if rates and _is_nan(*positions) else positions
+        return WheelSample(stamp_ns, rates, positions, source)
 
-    def _find(self, names: Sequence[str]) -> Optional[Indices]:
-        """Return where our joints, (left, right), are among the names."""
+    def _find(self, names: Sequence[str]) -> None:
+        """Note which of our joints are among the names, and where."""
         wanted = self._joints.all_names()
-        missing = [name for name in wanted if name not in names]
-        if len(missing) == len(wanted):
-            return None
-        if missing:
-            raise ValueError(
-                f'name is {list(names)!r}, only some of our joints, expected also {missing!r}')
-        left, right = (tuple(map(names.index, side)) for side in self._joints.names)
-        return left, right
+        self._ours = tuple(number for number, name in enumerate(wanted) if name in names)
+        self._indices = tuple(names.index(wanted[number]) for number in self._ours)
+        self._names = names
+        if 0 < len(self._ours) < len(wanted):
+            self.partial = names
+        self._be_careful()
 
-    def _followed(
-            self, positions: Sequence[float], source: str,
-            indices: Indices) -> Sequence[float]:
-        """Return the positions of a message without their wraps; each source counts anew."""
-        if len(positions) != len(self._known_names):
-            return positions
-        ours = [positions[i] for side in indices for i in side]
-        if not all(map(math.isfinite, ours)):
-            return positions
-        track = self._track if source == self._source else self._fresh_track
-        self._track, self._source = track.followed(ours), source
-        followed = list(positions)
-        for index, position in zip(
-                (i for side in indices for i in side), self._track.positions):
-            followed[index] = position
-        return followed
+    def _gathered(self, spoken: Spoken, stamp_ns: int) -> Optional[Gathered]:
+        """Return what is known after a message that may not be the usual one."""
+        self._be_careful()
+        gathered = self.gathering.after(spoken, stamp_ns)
+        if gathered and self._plain and len(spoken.joints) == 2 and self.gathering.usual():
+            self._next, self._tag = spoken.number and spoken.number + 1, spoken.tag
+            self._last = spoken.positions, spoken.rates, spoken.now_ns
+        return gathered
 
-    def _pair(self, field: str, values: Sequence[float], indices: Indices) -> Optional[Pair]:
+    def _be_careful(self) -> None:
+        """Take no message for the usual one, and catch up on those that were."""
+        if self._next != NOBODY:
+            positions, rates, now_ns = self._last
+            self.gathering.caught_up(Spoken(
+                self._tag, (0, 1), max(0, self._next - 1), now_ns, positions, rates))
+            self._next = NOBODY
+
+    def _values(
+            self, field: str, values: Sequence[float],
+            indices: Tuple[int, ...]) -> Optional[Tuple[float, ...]]:
+        """Return the values of our joints, in their order; zero has no sign."""
         if not values:
             return None
-        if len(values) != len(self._known_names):
+        if len(values) != len(self._names):
             raise ValueError(
-                f'{field} has {len(values)} values, expected {len(self._known_names)}, one for '
+                f'{field} has {len(values)} values, expected {len(self._names)}, one for '
                 'each name')
-        return self._joints.signed((_mean(values, indices[0]), _mean(values, indices[1])))
-
-
-def _mean(values: Sequence[float], indices: Tuple[int, ...]) -> float:
-    """Return the mean of the values at indices; zero has no sign."""
-    if len(indices) == 1:
-        return 0.0 + values[indices[0]]
-    return sum(values[i] for i in indices) / len(indices)
+        if len(indices) == 2:
+            left, right = indices
+            return 0.0 + values[left], 0.0 + values[right]
+        return tuple(values[index] for index in indices)
 
 
 def _is_nan(left: float, right: float) -> bool:

@@ -20,7 +20,7 @@ from typing import Any, Mapping
 from diffdrive_kinematics.core.slip_stream import SlipStream
 from diffdrive_kinematics.core.wheel_motion import timeout_from_seconds
 from diffdrive_kinematics.nodes.diagnostics import (
-    Diagnosis, heard_values, Look, silence, stamp_values)
+    Diagnosis, heard_values, Look, quiet, stamp_values, unheard)
 from diffdrive_kinematics.nodes.from_values import (
     check_sides, check_wiring, wheel_radii, wheel_slips)
 from diffdrive_kinematics.nodes.node import DiffDriveNode
@@ -28,6 +28,7 @@ from diffdrive_kinematics.nodes.running import main_of
 from diffdrive_kinematics.nodes.tables import WHEEL_NOISE
 from diffdrive_kinematics.nodes.wheel_joints import wheel_joints
 from diffdrive_kinematics.nodes.wheel_messages import WheelMessage, WheelReader
+from diffdrive_kinematics.nodes.wheel_watch import WheelWatch
 import numpy as np
 from sensor_msgs.msg import JointState
 
@@ -57,19 +58,23 @@ class WheelNoise(DiffDriveNode[Config]):
         values = self.config.values
         joints = wheel_joints(values)
         self._reader = WheelReader(joints, encoder_range=values['encoder_range'])
+        self._wheel_watch = WheelWatch(self, self._reader, values['input_topic'])
         self._wheels = WheelMessage(joints, self.source())
         self._stream = self.config.stream
         self._seed = values['seed']
         self._generator = np.random.default_rng(self._seed)
         self._send = self.sender(self.publisher(JointState, values['output_topic']))
-        self.subscribe(JointState, values['input_topic'], self._on_wheels, raw=True)
+        self.subscribe(
+            JointState, values['input_topic'], self._on_wheels, raw=True, numbered=True)
         self.parameters.on_change(self._configure)
 
-    def _on_wheels(self, message: bytes) -> None:
-        sample = self._reader.read(message, self.now_ns)
+    def _on_wheels(self, message: bytes, number: int) -> None:
+        if self.waits_for_clock():
+            return
+        sample = self._reader.read(message, self.now_ns, number)
         if sample is None:
             return
-        self.heard.note(sample.stamp_ns, sample.stamp_ns)
+        self.heard.note(self.now_ns(), sample.stamp_ns)
         self._stream, noisy, verdict = self._stream.passed(sample, self._generator)
         self.judge(verdict, self.config.values['input_topic'])
         if noisy is not None:
@@ -77,13 +82,15 @@ class WheelNoise(DiffDriveNode[Config]):
             self._send(self._wheels.filled(noisy.stamp_ns, noisy.rates, noisy.positions))
 
     def diagnosis(self, look: Look) -> Diagnosis:
-        """Return how wheel motion passes through; its age is that of its stamp."""
-        values = self.config.values
+        """Return how wheel motion passes through."""
+        values, motion = self.config.values, self._stream.motion
+        topic = self.resolve_topic_name(values['input_topic'])
         return Diagnosis({
             **heard_values(self.heard, look.now_ns, 'wheel motion'), 'sent': self.sent,
-            **stamp_values(self.counts)}, silence(
-                self.heard, look.now_ns, values['command_timeout'],
-                self.resolve_topic_name(values['input_topic'])))
+            **stamp_values(self.counts), **self._wheel_watch.values()}, [
+                *self._wheel_watch.troubles(), *unheard(self.heard, topic),
+                *quiet(self.heard, look.now_ns, values['command_timeout'], topic,
+                       at_rest=motion is not None and motion.rates == (0.0, 0.0))])
 
     def _configure(self, config: Config) -> None:
         new = config.stream

@@ -32,7 +32,8 @@ from diffdrive_kinematics.nodes.clocks import NANOSECONDS
 from sensor_msgs.msg import JointState
 
 __all__ = [
-    'JointStateLayout', 'Layout', 'Template', 'joint_names', 'read_stamped_twist', 'read_twist']
+    'JointStateLayout', 'Layout', 'Template', 'joint_names', 'read_stamped_twist', 'read_twist',
+    'stamped_sequence']
 
 HEADER = bytes((0, sys.byteorder == 'little', 0, 0))
 STAMP_AT = len(HEADER)
@@ -100,6 +101,16 @@ class Template:
     def message(self) -> bytes:
         """Return what is to be published."""
         return bytes(self._data)
+
+
+def stamped_sequence(sec: int, nanosec: int, frame_id: str, count: int) -> bytes:
+    """Return the beginning of a message that is a header and a sequence of so many elements."""
+    layout = Layout()
+    layout.header(frame_id)
+    layout.numbers('I', [count])
+    front = bytearray(struct.pack(layout.format, *layout.values))
+    _pack_stamp(front, STAMP_AT, sec, nanosec)
+    return bytes(front)
 
 
 def joint_names(frame_id: str, names: Sequence[str]) -> Layout:

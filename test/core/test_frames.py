@@ -14,6 +14,7 @@
 
 """Chains of poses, and the odometry at times that are past."""
 
+from dataclasses import replace
 import math
 
 from diffdrive_kinematics.core.angles import wrap_angle
@@ -55,7 +56,7 @@ def heard(*samples):
     """Return the odometry after samples, and its history."""
     odometry, history = START, OdometryHistory((START,))
     for sample in samples:
-        odometry, _ = odometry.received(sample, 100 * S)
+        odometry, _ = odometry.received(sample, sample.stamp_ns)
         history = history.followed(odometry)
     return odometry, history
 
@@ -65,24 +66,31 @@ def test_a_pose_in_the_past_is_what_the_rates_of_that_time_make():
         WheelSample(1 * S, (1.0, 1.0)), WheelSample(2 * S, (2.0, 2.0)),
         WheelSample(3 * S, (2.0, 2.0)), WheelSample(4 * S, (0.0, 0.0)))
     for seconds, x in [(0.5, 0.0), (1.0, 0.0), (1.5, 0.05), (2.0, 0.1), (3.5, 0.4), (9.0, 0.5)]:
-        assert history.pose_at(int(seconds * S), 100 * S).x == pytest.approx(x, abs=1e-12)
+        assert history.pose_at(int(seconds * S)).x == pytest.approx(x, abs=1e-12)
 
 
 def test_an_odometry_that_went_back_begins_anew_and_a_history_does_not_grow():
     odometry, history = heard(*(
         WheelSample(number * S // 10, (float(number), 1.0)) for number in range(1, 999)))
     assert len(history.past) < 200
-    assert history.pose_at(0, 100 * S) == history.past[0].at(0).pose
+    assert history.pose_at(0) == history.past[0].at(0).pose
     back = odometry.clock_stepped(-50 * S)
     assert history.followed(back).past == (back,)
 
 
 def test_a_pose_in_the_past_is_that_however_often_the_rates_were_repeated_since():
     _, history = heard(*(WheelSample(number * S, (1.0, 1.0)) for number in range(1, 60)))
-    assert history.pose_at(3 * S, 60 * S).x == pytest.approx(0.2, abs=1e-12)
+    assert history.pose_at(3 * S).x == pytest.approx(0.2, abs=1e-12)
 
 
-def test_with_a_publishers_clock_that_is_far_ahead_the_pose_is_that_of_now():
-    odometry, history = heard(*(
-        WheelSample(number * S, (float(number), 1.0)) for number in range(50, 90)))
-    assert history.pose_at(9 * S, 10 * S) == odometry.at(10 * S).pose != history.past[0].at(0).pose
+@pytest.mark.parametrize('ahead', [3600 * S, -3600 * S])
+def test_a_pose_in_the_past_is_that_of_the_own_clock_whatever_that_of_the_publisher(ahead):
+    samples = [WheelSample(number * S, (float(number), 1.0)) for number in range(50, 90)]
+    _, history = heard(*samples)
+    odometry, mapped = START, OdometryHistory((START,))
+    for sample in samples:
+        odometry, _ = odometry.received(
+            replace(sample, stamp_ns=sample.stamp_ns + ahead), sample.stamp_ns)
+        mapped = mapped.followed(odometry)
+    for time in 49 * S, 60 * S + 1, 85 * S, 89 * S + S // 2:
+        assert mapped.pose_at(time) == history.pose_at(time)

@@ -16,6 +16,7 @@
 
 import math
 
+from diffdrive_kinematics.core.easing import largest_change
 from diffdrive_kinematics.core.limits import AxisLimits
 from hypothesis import given, settings, strategies as st
 import pytest
@@ -37,6 +38,7 @@ BACK = AxisLimits(min_velocity=-1.0)
 JERK = AxisLimits(max_jerk=8.0)  # the step grows by 8 DT^2 = 2, either way
 JERKS = AxisLimits(max_jerk=8.0, min_jerk=-4.0)  # grows by 2 upwards, by 1 downwards
 JERK_DOWN = AxisLimits(min_jerk=-4.0)  # grows by 1 downwards, freely upwards
+TURN = AxisLimits(max_acceleration=1.0, max_deceleration=-4.0, max_jerk=2.0)
 BOTH = AxisLimits(max_acceleration=2.0, max_jerk=8.0)
 SOFT = AxisLimits(max_acceleration=2.0, max_jerk=2.0)  # grows by 0.5, at most 1
 ALL = AxisLimits(max_velocity=1.25, max_acceleration=2.0, max_jerk=8.0)
@@ -101,19 +103,28 @@ TABLE = [
     (JERK, 0.0, 0.0, 1.5, 1.5, 'growth of 1.5 is within 2'),
     # jerk, while accelerating
     (JERK, 1.0, 2.0, 10.0, 5.0, 'the step was 1 and grows to 3: 2 + 3'),
-    (JERK, 1.0, 2.0, 4.5, 4.5, 'a step of 2.5 is growth of 1.5'),
+    (JERK, 1.0, 2.0, 4.5, 4.25, '2.25 + 0.25 is the way that can end in steps of 2 less'),
+    (JERK, 1.0, 2.0, 8.0, 5.0, 'of 6 left, 4 + 2 could still end, but the step grows to 3'),
+    (JERK, 2.0, 5.0, 8.0, 7.5, 'of 3 left: 2.5 + 0.5'),
     (JERK, 1.0, 2.0, 3.0, 3.0, 'the same step again is no growth'),
-    (JERK, 0.0, 4.0, 5.0, 5.0, 'on arrival the step may fall from 4 to 1 at once'),
+    (JERK, 0.0, 4.0, 5.0, 5.0, 'the target came too near: the step falls from 4 to 1 at once'),
     (JERK, 0.0, 4.0, 4.0, 4.0, 'and to 0'),
-    (JERK, 1.0, 2.0, -10.0, 1.0, 'turned round: the step falls from 1 by 2 to -1'),
+    (JERK, 1.0, 2.0, -10.0, 0.0, 'turned round: the step of 1 ends at once and grows to -2'),
     (JERK, -1.0, -2.0, -10.0, -5.0, 'reverse: the step was -1 and grows to -3'),
     (JERK, 0.0, -4.0, -5.0, -5.0, 'reverse arrival at once'),
-    (JERK, -1.0, -2.0, 10.0, -1.0, 'reverse turned round: the step rises from -1 to 1'),
+    (JERK, -1.0, -2.0, 10.0, 0.0, 'reverse turned round: the step of -1 ends, and grows to 2'),
     (JERKS, 0.0, 0.0, 10.0, 2.0, 'upwards 8 DT^2'),
     (JERKS, 4.0, 4.0, 0.0, 3.0, 'downwards -4 DT^2'),
     (JERKS, 0.0, 0.0, -10.0, -1.0, 'reverse from a stand is downwards'),
-    (JERK_DOWN, 0.0, 0.0, 10.0, 10.0, 'max jerk NaN: no limit upwards'),
+    (JERKS, 0.0, 0.0, 1.5, 1.25, 'rises by 2, falls by 1: 1.25 + 0.25'),
+    (JERK_DOWN, 0.0, 0.0, 10.0, 4.0, 'max jerk NaN: no limit upwards, but ends as 4 + 3 + 2 + 1'),
     (JERK_DOWN, 4.0, 4.0, 0.0, 3.0, 'min jerk alone'),
+    (JERK_DOWN, 4.0, 3.0, 0.0, 1.0, 'the step of -1 grows to -2'),
+    (JERK_DOWN, 3.0, 1.0, 0.0, 0.0, 'and may end at once, which is upwards'),
+    # jerk through zero: the deceleration falls to what speeds up, in time
+    (TURN, -2.0, -1.0, 10.0, 0.0, 'a step of 1, as it may then be 0.5 only and falls by 0.5'),
+    (TURN, -3.0, -2.0, 10.0, -2.0 + 2.5 / 1.75,
+     'c, then c - 0.5 from x = 2 - c: 1/4 x to a stand and 1 for the rest, 0.5 + 3/4 x'),
     # together: jerk, then acceleration, then velocity
     (BOTH, 0.0, 0.0, 10.0, 1.0, 'jerk allows 2, acceleration 1'),
     (BOTH, 0.0, 1.0, 10.0, 2.0, 'jerk allows 1 + 3, acceleration 1 + 1'),
@@ -187,11 +198,57 @@ def test_the_mirrored_robot_does_the_mirrored_thing(limits, target, current, dt)
 def test_jerk_never_lets_the_step_grow_by_more_than_its_limit(jerk, target, current, step, dt):
     limits = AxisLimits(max_jerk=jerk)
     velocity = limits.limit_jerk(target, current=current, before=current - step, dt=dt)
-    growth = (velocity - current) - step
     towards = math.copysign(1.0, target - current)
-    if not (math.isnan(jerk) or target == current):  # on arrival the step may end at once
-        assert growth * towards <= jerk * dt * dt + 1e-12
-    assert (velocity - target) * towards <= 1e-12, 'never past the target'
+    growth = (velocity - current) * towards - max(0.0, step * towards)
+    if not math.isnan(jerk):
+        assert growth <= jerk * dt * dt + 1e-12
+    assert min(current, target) <= velocity <= max(current, target)
+
+
+def can_end(change, distance, fall, braking=math.inf, rate=0.0, dt=1.0):
+    """Return whether changes that fall keep to what a robot that stands after distance may do."""
+    while True:
+        to_stand = min(dt, max(0.0, distance) / braking)
+        if change > max(0.0, distance if math.isinf(braking) else braking * to_stand) + rate * (
+                dt - to_stand) + 1e-12:
+            return False
+        if change <= rate * dt:
+            return True
+        change, distance = change - fall, distance - change
+
+
+@LAW
+@given(st.floats(0.0, 10.0), st.floats(0.01, 3.0), st.floats(0.0, 2.0),
+       st.one_of(st.just(math.inf), st.floats(2.1, 9.0)), st.floats(0.1, 1.0))
+def test_the_largest_change_can_end_in_time_and_a_larger_one_cannot(
+        distance, fall, rate, braking, dt):
+    last, share = rate * dt, 1.0 - rate / braking
+    change = min(largest_change(distance, fall, last, share), braking * dt)
+    assert can_end(change, distance, fall, braking, rate, dt)
+    if change < braking * dt:
+        assert not can_end(change + 1e-9, distance, fall, braking, rate, dt)
+
+
+@LAW
+@given(st.floats(0.2, 5.0), st.floats(0.2, 5.0), st.floats(0.2, 5.0), st.floats(0.2, 5.0),
+       st.floats(-3.0, 3.0), st.floats(-3.0, 3.0))
+def test_a_ramp_keeps_to_every_limit_from_a_rest_to_the_end(
+        up, down, rise, fall, start, target):
+    limits = AxisLimits(
+        max_acceleration=up, max_deceleration=-down, max_acceleration_reverse=-up,
+        max_jerk=rise, min_jerk=-fall)
+    before = current = start
+    dt, change_before = 0.05, 0.0
+    for _ in range(4000):
+        velocity = limits.limit(target, current=current, before=before, dt=dt)
+        change = velocity - current
+        assert -fall * dt * dt - 1e-12 <= change - change_before <= rise * dt * dt + 1e-12
+        assert abs(change) <= max(up, down) * dt + 1e-12
+        assert min(start, target) <= velocity <= max(start, target)
+        before, current, change_before = current, velocity, change
+        if before == current == target:
+            return
+    pytest.fail(f'the ramp ended at {current}, not at {target}')
 
 
 @LAW

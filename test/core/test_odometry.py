@@ -23,6 +23,7 @@ from diffdrive_kinematics.core.compensated import RunningSum
 from diffdrive_kinematics.core.covariance import NO_COVARIANCE, PoseCovariance
 from diffdrive_kinematics.core.geometry import (
     pose_change_from_travel, travel_from_angles, twist_from_wheel_rates, WheelGeometry)
+from diffdrive_kinematics.core.measured_wheels import MeasuredWheels
 from diffdrive_kinematics.core.odometry import Odometry
 from diffdrive_kinematics.core.wheel_motion import Verdict, WheelSample
 from hypothesis import given, settings, strategies as st
@@ -36,6 +37,7 @@ T = S // 2
 NOW = 1000 * S
 GEOMETRY = WheelGeometry(0.4, 0.1, 1.1, 0.9, 1.2)
 START = Odometry.starting_at(Pose(1.0, -2.0, 3.0), geometry=GEOMETRY, timeout_ns=T)
+UNEXTRAPOLATED = START._replace(unmeasured=MeasuredWheels(extrapolates=False))
 A, B, STILL = (5.0, 7.0), (-3.0, 4.0), (0.0, 0.0)
 pairs = st.tuples(st.floats(-10.0, 10.0), st.floats(-10.0, 10.0))
 schedules = st.lists(
@@ -45,9 +47,10 @@ schedules = st.lists(
                 accumulate(gap for gap, _ in items), items)])
 
 
-def fed(odometry, samples, now_ns=NOW):
+def fed(odometry, samples):
+    """Return the odometry after samples that came at their stamps."""
     for sample in samples:
-        odometry, _ = odometry.received(sample, now_ns)
+        odometry, _ = odometry.received(sample, sample.stamp_ns)
     return odometry
 
 
@@ -78,14 +81,14 @@ def composed(samples, end):
         return float(x), float(y), float(theta)
 
 
-def with_positions(samples, offset=(40.0, -7.0)):
-    """Return the samples with the positions that their publisher would report."""
+def with_positions(samples, offset=(40.0, -7.0), source='/driver#1'):
+    """Return the samples with the positions that a publisher of this package would report."""
     result, left, right = [], *offset
     for before, sample in zip([None, *samples], samples):
         if before:
             seconds = (sample.stamp_ns - before.stamp_ns) / 1e9
             left, right = left + before.rates[0] * seconds, right + before.rates[1] * seconds
-        result.append(replace(sample, positions=(left, right)))
+        result.append(replace(sample, positions=(left, right), source=source))
     return result
 
 
@@ -156,19 +159,20 @@ def test_a_superseding_sample_undoes_what_followed_its_stamp(samples, percents, 
 def test_a_sample_at_or_before_the_anchor_changes_nothing():
     odometry = fed(START, [WheelSample(S, A), WheelSample(2 * S, B)])
     for stamp in (2 * S, 2 * S - 1, S):
-        after, verdict = odometry.received(WheelSample(stamp, A), NOW)
+        after, verdict = odometry.received(WheelSample(stamp, A), 2 * S)
         assert verdict is Verdict.OUT_OF_ORDER
-        assert after == odometry
+        assert after._replace(clock=odometry.clock) == odometry
 
 
 @pytest.mark.parametrize('stamp', [-9 * S, NOW + 9 * S])
 def test_a_step_of_the_clock_keeps_the_pose_of_the_last_sample(stamp):
     odometry = fed(START, [WheelSample(0, A), WheelSample(100 * MS, A)])
-    after, verdict = odometry.received(WheelSample(stamp, B, (900.0, 900.0)), NOW)
+    after, verdict = odometry.received(
+        WheelSample(stamp, B, (900.0, 900.0), '/driver#1'), NOW)
     assert verdict is Verdict.CLOCK_STEP
-    assert after.at(stamp).pose == odometry.at(100 * MS).pose
-    assert after.at(stamp).angles == odometry.at(100 * MS).angles
-    later = after.at(stamp + 100 * MS)
+    assert after.at(NOW).pose == odometry.at(100 * MS).pose
+    assert after.at(NOW).angles == odometry.at(100 * MS).angles
+    later = after.at(NOW + 100 * MS)
     assert later.angles == pytest.approx((0.5 - 0.3, 0.7 + 0.4))
 
 
@@ -198,22 +202,22 @@ def test_a_restarted_publisher_causes_no_jump(samples, later, standing, rates):
     rates = last.rates if standing else rates
     odometry = fed(START, with_positions(samples))
     stamp = last.stamp_ns + 1 + later
-    restarted = fed(odometry, [WheelSample(stamp, rates)])
+    restarted = fed(odometry, [WheelSample(stamp, rates, source='/driver#2')])
     assert_same_reading(
         restarted.at(stamp)._replace(rates=STILL), odometry.at(stamp)._replace(rates=STILL))
     moved = (0.1 * rates[0], 0.1 * rates[1])
     end = stamp + 100 * MS
-    going_on = fed(restarted, [WheelSample(end, rates, moved)])
+    going_on = fed(restarted, [WheelSample(end, rates, moved, '/driver#2')])
     assert_same_reading(going_on.at(end), restarted.at(end))
 
 
 @pytest.mark.parametrize('rates', [STILL, A])
 def test_a_restart_with_the_same_rates_is_noticed_also_at_a_stand(rates):
     """Guard a repeat of the same rates that was not taken for a new baseline."""
-    publisher = [WheelSample(0, rates, (80.0, 90.0)), WheelSample(
-        100 * MS, rates, (80.0 + 0.1 * rates[0], 90.0 + 0.1 * rates[1]))]
-    again = [WheelSample(200 * MS, rates), WheelSample(
-        300 * MS, rates, (0.1 * rates[0], 0.1 * rates[1]))]
+    publisher = [WheelSample(0, rates, (80.0, 90.0), '/driver#1'), WheelSample(
+        100 * MS, rates, (80.0 + 0.1 * rates[0], 90.0 + 0.1 * rates[1]), '/driver#1')]
+    again = [WheelSample(200 * MS, rates, source='/driver#2'), WheelSample(
+        300 * MS, rates, (0.1 * rates[0], 0.1 * rates[1]), '/driver#2')]
     assert fed(START, publisher + again).at(300 * MS).angles == pytest.approx(
         (0.3 * rates[0], 0.3 * rates[1]), abs=1e-13)
 
@@ -233,16 +237,17 @@ def test_an_unknown_driver_that_lacks_its_positions_now_and_then_causes_no_jump(
     """Compare with the rates alone, which are what its encoders say: they count from anywhere."""
     full = [replace(sample, positions=(
         sample.positions[0] + offset[0], sample.positions[1] + offset[1]))
-        for sample in with_positions(samples)]
+        for sample in with_positions(samples, source='')]
     told = [replace(sample, positions=None) if number in lacking else sample
             for number, sample in enumerate(full)]
-    end = samples[-1].stamp_ns + 50 * MS
-    assert_same_reading(fed(START, told).at(end), fed(START, samples).at(end), 1e-7)
+    end = samples[-1].stamp_ns
+    reading, exact = fed(UNEXTRAPOLATED, told).at(end), fed(START, samples).at(end)
+    assert_same_reading(reading._replace(rates=STILL), exact._replace(rates=STILL), 1e-7)
 
 
 def test_what_a_known_publisher_rolled_since_its_first_message_counts():
-    first = WheelSample(0, STILL, source='driver#1')
-    second = WheelSample(20 * MS, STILL, (0.3, 0.4), source='driver#1')
+    first = WheelSample(0, STILL, source='/driver#1')
+    second = WheelSample(20 * MS, STILL, (0.3, 0.4), source='/driver#1')
     assert fed(START, [first, second]).at(20 * MS).angles == (0.3, 0.4)
 
 
@@ -400,11 +405,12 @@ def test_a_base_that_is_put_elsewhere_stands_there_and_then_moves_on_by_what_whe
     last = samples[-1].positions
     following = WheelSample(
         when + 20 * MS, A if with_rates else None,
-        (last[0] + angle[0] + 0.3, last[1] + angle[1] + 0.3))
+        (last[0] + angle[0] + 0.3, last[1] + angle[1] + 0.3), '/driver#1')
     moved, verdict = placed.received(following, NOW)
     assert verdict is Verdict.MOVED
     expected = START._replace(
-        x=RunningSum(-3.0), y=RunningSum(4.0), theta=RunningSum(0.5))._rolled((0.3, 0.3), None)
+        x=RunningSum(-3.0), y=RunningSum(4.0), theta=RunningSum(0.5))._rolled(
+            (0.3, 0.3), None, START.clock)
     assert_same_reading(
         moved.at(following.stamp_ns)._replace(angles=STILL, rates=STILL),
         expected.at(0)._replace(angles=STILL, rates=STILL), 1e-9)
@@ -501,12 +507,12 @@ def test_a_lost_change_of_the_rates_costs_the_arc_of_one_message_however_long_th
     start = START._replace(timeout_ns=None)
     change = repeats * 20 * MS + change_ms * MS
     times = [number * 20 * MS for number in range(repeats + 1)]
-    samples = [WheelSample(S + time, before, scaled(before, time)) for time in times]
+    samples = [WheelSample(S + time, before, scaled(before, time), '/driver#1') for time in times]
     at_change = scaled(before, change)
     rest = scaled(after, (20 - change_ms) * MS)
     end = WheelSample(S + times[-1] + 20 * MS, after,
-                      (at_change[0] + rest[0], at_change[1] + rest[1]))
-    whole = fed(start, [*samples, WheelSample(S + change, after, at_change), end])
+                      (at_change[0] + rest[0], at_change[1] + rest[1]), '/driver#1')
+    whole = fed(start, [*samples, WheelSample(S + change, after, at_change, '/driver#1'), end])
     lossy = fed(start, [*samples, end])
     got, expected = lossy.at(end.stamp_ns), whole.at(end.stamp_ns)
     distance = turn = 0.0

@@ -14,6 +14,7 @@
 
 """The covariance that odometry carries: that of the path, whatever messages it came by."""
 
+from itertools import accumulate
 import math
 
 from diffdrive_kinematics.core.arc import Pose
@@ -26,7 +27,6 @@ import pytest
 
 MS = 1_000_000
 S = 1000 * MS
-NOW = 1000 * S
 GEOMETRY = WheelGeometry(0.4, 0.1, 1.1, 0.9, 1.2)
 SLIP = (3e-7, 5e-7)
 PLAIN = Odometry.starting_at(Pose(1.0, -2.0, 2.5), geometry=GEOMETRY, timeout_ns=S)
@@ -38,8 +38,9 @@ SAMPLES = [WheelSample(stamp, rates) for stamp, rates in LEGS]
 
 
 def fed(odometry, samples):
-    for sample in samples:
-        odometry, _ = odometry.received(sample, NOW)
+    """Return the odometry after samples that came at their stamps, or when the last one came."""
+    for sample, now_ns in zip(samples, accumulate((sample.stamp_ns for sample in samples), max)):
+        odometry, _ = odometry.received(sample, now_ns)
     return odometry
 
 

@@ -16,6 +16,7 @@
 
 import itertools
 import math
+import time
 
 from diffdrive_kinematics.core.arc import Pose
 from diffdrive_kinematics.core.geometry import WheelGeometry
@@ -245,6 +246,54 @@ def test_the_polygon_is_counter_clockwise_simple_and_not_closed(course):
         crossed = (side_c * side_d < 0.0) & (side_a * side_b < 0.0)
         if course != 'one_wheel':  # as thin as the rounding to float32
             assert not crossed.any()
+
+
+@pytest.mark.parametrize('leftover', [0.0, 1e-17])
+@pytest.mark.parametrize('mirrored', [False, True])
+@pytest.mark.parametrize('number', [1, 4, 25])
+def test_a_pivot_about_a_resting_wheel_reaches_an_arc_of_the_circle_around_it(
+        number, mirrored, leftover):
+    """A rounding error of travel, and the slip of that, are no motion of the resting wheel."""
+    turning, resting = 0.3 / number, leftover / number
+    travel = (resting, turning) if mirrored else (turning, resting)
+    stages = [stage_from_slip(*travel, GEOMETRY, UNIFORM, UNIFORM)] * number
+    polygon = boundary_of(stages)
+    for kind in ('inside', 'faces', 'corners'):
+        assert excess(polygon, moved_by(stages, draws_of(kind, stages, 20_000))) < 1e-6, kind
+    centre = 0.5j * L if mirrored else -0.5j * L
+    furthest = number * max(stages[0].left_bound, stages[0].right_bound) / L
+    middle = (0.3 if mirrored else -0.3) / L
+    angle = np.angle((polygon - centre) / (-centre) * np.exp(-1j * middle))
+    assert np.abs(polygon - centre) == pytest.approx(0.5 * L, abs=1e-6)
+    assert np.abs(angle).max() == pytest.approx(furthest, abs=1e-6 / (0.5 * L))
+
+
+@pytest.mark.parametrize('rest', [(1, 2), (0, 1, 2), (0, 3)])
+def test_pivots_and_other_stages_follow_each_other_in_any_order(rest):
+    """Guard what is joined: only neighbours about the same wheel are one rotation."""
+    kinds = [(0.03, 0.0), (0.02, 0.0), (0.0, 0.05), (0.04, 0.03)]
+    stages = [stage_from_slip(*kinds[each], GEOMETRY, UNIFORM, UNIFORM)
+              for each in (0, *rest, 0, *rest)]
+    polygon = boundary_of(stages)
+    for kind in ('inside', 'faces', 'corners'):
+        assert excess(polygon, moved_by(stages, draws_of(kind, stages, 8000))) < 1e-6, kind
+    reached = moved_by(stages, draws_of('corners', stages, 20_000))
+    assert np.ptp(polygon.real) < 1.02 * np.ptp(reached.real)
+    assert np.ptp(polygon.imag) < 1.02 * np.ptp(reached.imag)
+
+
+@pytest.mark.parametrize('number', [4, 25])
+def test_a_wheel_at_rest_costs_no_more_than_an_arc(number):
+    """Compare processor time, side by side: it took thirteen times that of an arc, and more."""
+    def cost(course):
+        stages, seconds = stages_of(course, number), []
+        for _ in range(3):
+            began = time.thread_time()
+            boundary_of(stages)
+            seconds.append(time.thread_time() - began)
+        return min(seconds)
+
+    assert cost('one_wheel') < 2.0 * cost('arc')
 
 
 @pytest.mark.parametrize('most', [64, 100])

@@ -14,6 +14,7 @@
 
 """Noise on a stream of wheel motion: statistics, seeds, order of stamps and restarts."""
 
+from dataclasses import replace
 from itertools import accumulate
 import math
 
@@ -31,7 +32,6 @@ LAW = settings(deadline=None, derandomize=True)
 MS = 1_000_000
 S = 1000 * MS
 T = S // 2
-NOW = 10**6 * S
 Z = 3.2905  # of 99.9 %, two-sided
 GEOMETRY = WheelGeometry(0.4, 0.1, 1.0, 0.9, 1.2)
 LEFT, RIGHT = WheelSlip(0.05, 2e-3), WheelSlip(-0.02, 1e-3)
@@ -50,18 +50,19 @@ schedules = st.lists(
 
 
 def passed(stream, samples, seed=0):
-    """Return the stream after the samples, and what it put out."""
+    """Return the stream after the samples, and what it put out, as its publisher does."""
     generator, out = np.random.default_rng(seed), []
     for sample in samples:
         stream, noisy, _ = stream.passed(sample, generator)
         if noisy is not None:
-            out.append(noisy)
+            out.append(replace(noisy, source='/noise#1'))
     return stream, out
 
 
 def fed(odometry, samples):
-    for sample in samples:
-        odometry, _ = odometry.received(sample, NOW)
+    """Return the odometry after samples that came at their stamps, or when the last one came."""
+    for sample, now_ns in zip(samples, accumulate((sample.stamp_ns for sample in samples), max)):
+        odometry, _ = odometry.received(sample, now_ns)
     return odometry
 
 
@@ -107,7 +108,7 @@ def test_the_velocity_is_the_rate_asked_for_times_what_the_interval_made_of_its_
 
 def test_the_first_velocity_is_biased_and_has_no_positions():
     _, (first,) = passed(NOISY, [WheelSample(7, A, (50.0, 60.0))])
-    assert first == WheelSample(7, (5.0 * 1.05, -4.0 * 0.98), None)
+    assert first == WheelSample(7, (5.0 * 1.05, -4.0 * 0.98), None, first.source)
 
 
 def test_after_a_rest_the_velocity_is_biased_as_nothing_else_is_known():
@@ -272,7 +273,7 @@ def test_a_restart_of_the_source_causes_no_jump(samples):
 def test_positions_alone_pass_as_positions_alone():
     _, out = passed(CLEAN, [
         WheelSample(k * 100 * MS, None, (50.0 + k, 60.0 - k)) for k in range(4)])
-    assert out[0] == WheelSample(0, STILL)
+    assert out[0] == WheelSample(0, STILL, source=out[0].source)
     assert [sample.rates for sample in out[1:]] == [None] * 3
     assert [sample.positions for sample in out[1:]] == [
         pytest.approx((k, -k)) for k in (1.0, 2.0, 3.0)]
@@ -295,5 +296,6 @@ def test_motion_goes_on_after_the_clock_of_a_robot_at_rest_was_stepped_back():
              for k in range(3, 103)]
     samples = [*rest, *after, *drive]
     _, out = passed(CLEAN, samples)
-    end = samples[-1].stamp_ns
-    assert fed(START, out).at(end).angles == pytest.approx((1.98 * A[0], 1.98 * A[1]), abs=1e-9)
+    now_ns = rest[-1].stamp_ns  # when the last one came, for this test
+    assert fed(START, out).at(now_ns).angles == pytest.approx(
+        (1.98 * A[0], 1.98 * A[1]), abs=1e-9)

@@ -15,21 +15,23 @@
 
 import math
 
+from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from diffdrive_kinematics.nodes.diagnostics import (
-    Diagnosis, Heard, Look, Reporter, silence, slowness, Trouble)
+    Diagnosis, Heard, Look, quiet, Reporter, slowness, Trouble, unheard)
 from diffdrive_kinematics.nodes.simulated_base import SimulatedBase
+from diffdrive_kinematics.nodes.wheel_noise import WheelNoise
 from geometry_msgs.msg import Twist
 from graph import KHEPERA, set_stamp, stamp_ns, twist
+from health import collect, ERROR, OK, wait_for_level, WARN
 from inside import inside, START_NS
 from nav_msgs.msg import Odometry
 import pytest
+from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState
 
 CONTROLLER = 'diff_drive_controller'
 JOINTS = ['left_wheel_joint', 'right_wheel_joint']
-OK, WARN, ERROR, STALE = (
-    DiagnosticStatus.OK, DiagnosticStatus.WARN, DiagnosticStatus.ERROR, DiagnosticStatus.STALE)
 NODES = {
     CONTROLLER: KHEPERA, 'wheel_noise': {'wheel_radius': 0.021}, 'simulated_base': KHEPERA,
     'command_sequence': {'commands': [0.1, 0.0, 60.0]}, 'forward_projection': KHEPERA}
@@ -50,33 +52,13 @@ class Listeners:
         self.messages.append(message.status[0].message)
 
 
-def collect(graph, name):
-    """Return a list to which each status of a node is added, as (level, message, values)."""
-    statuses = []
-
-    def handle(message):
-        statuses.extend(
-            (status.level, status.message, {pair.key: pair.value for pair in status.values})
-            for status in message.status if status.name == name)
-
-    graph.collect(DiagnosticArray, '/diagnostics', handle)
-    return statuses
-
-
-def wait_for_level(graph, statuses, level, words=''):
-    return graph.wait_for(
-        lambda: next((status for status in reversed(statuses)
-                      if status[0] == level and words in status[1]), None),
-        f'level {level} with {words!r} in {statuses[-1:]}')
-
-
 @pytest.mark.parametrize('name', NODES)
 def test_every_node_tells_its_health_on_the_absolute_topic_under_its_full_name(graph, name):
     arrays = graph.collect(DiagnosticArray, '/diagnostics')
     graph.start(name, {**NODES[name], **FAST}, '-r', '__ns:=/robot1')
     (status,) = graph.wait_for(lambda: arrays, 'diagnostics')[-1].status
     assert (status.name, status.hardware_id) == (f'/robot1/{name}', 'robot1')
-    assert status.level == STALE
+    assert status.level == (OK if name == CONTROLLER else WARN)
     assert 'yet' in status.message or 'waiting for' in status.message
     assert 'refused' in {pair.key for pair in status.values}
 
@@ -93,7 +75,7 @@ def test_the_controller_tells_of_commands_timeouts_cuts_and_refusals(graph):
         **KHEPERA, 'diagnostics_rate': 5.0, 'max_wheel_rate': 5.0,
         'linear.x.max_velocity': 0.2})
     statuses = collect(graph, f'/{CONTROLLER}')
-    wait_for_level(graph, statuses, STALE, "nothing heard on '/cmd_vel' yet")
+    wait_for_level(graph, statuses, OK, "nothing heard on '/cmd_vel' yet")
     commands = graph.publisher(Twist, 'cmd_vel')
     sent = 0
 
@@ -112,7 +94,7 @@ def test_the_controller_tells_of_commands_timeouts_cuts_and_refusals(graph):
     assert float(values['achieved publish rate [Hz]']) > 0.8 * 50.0
     message, values = wait_for_level(graph, statuses, WARN, 'timeouts: 1 more')[1:]
     assert values['timeouts'] == '1'
-    wait_for_level(graph, statuses, STALE, "nothing heard on '/cmd_vel' for")
+    wait_for_level(graph, statuses, OK, "at rest, nothing heard on '/cmd_vel' for")
     commands.publish(twist(math.nan, 0.0))
     values = wait_for_level(graph, statuses, ERROR, 'refused: 1 more, 1 in all')[2]
     assert values['refused'] == '1'
@@ -123,7 +105,7 @@ def test_the_base_tells_of_wheel_motion_its_stamps_and_its_rate(graph):
         **KHEPERA, 'enable_odom_tf': False, 'command_timeout': 0.0, **FAST})
     statuses = collect(graph, '/simulated_base')
     odometry = graph.collect(Odometry, 'odom')
-    wait_for_level(graph, statuses, STALE, "nothing heard on '/wheel_rates' yet")
+    wait_for_level(graph, statuses, WARN, "nothing heard on '/wheel_rates' yet")
     wheels = graph.publisher(JointState, 'wheel_rates')
     late = graph.now_ns() - 700_000_000
     for offset, angle in ((0, 0.0), (100_000_000, 1.0), (50_000_000, 0.5), (-1, 0.0)):
@@ -144,7 +126,7 @@ def test_the_base_tells_of_encoders_that_began_again_elsewhere(graph):
         **KHEPERA, 'enable_odom_tf': False, 'max_encoder_rate': 50.0, **FAST})
     statuses = collect(graph, '/simulated_base')
     wheels = graph.publisher(JointState, 'wheel_rates')
-    wait_for_level(graph, statuses, STALE, 'nothing heard')
+    wait_for_level(graph, statuses, WARN, 'nothing heard')
     for number, angle in enumerate((0.0, 700.0)):
         message = JointState(name=JOINTS, position=[angle, angle])
         set_stamp(message, graph.now_ns() + number)
@@ -173,10 +155,10 @@ def test_in_fast_mode_diagnostics_follow_the_stepped_clock_and_show_progress(gra
 def test_what_has_grown_since_the_last_look_is_trouble_once_the_worst_first():
     listeners = Listeners()
     reporter = Reporter('/node', 'robot', listeners)
-    stale = [Trouble(STALE, 'silence')]
-    for refused, order, troubles in ((0, 0, []), (2, 1, stale), (2, 1, stale), (2, 3, [])):
+    silence = [Trouble(OK, 'silence')]
+    for refused, order, troubles in ((0, 0, []), (2, 1, silence), (2, 1, silence), (2, 3, [])):
         reporter.report(1, Diagnosis({'refused': refused, 'out of order': order}, troubles))
-    assert listeners.levels == [OK, ERROR, STALE, WARN]
+    assert listeners.levels == [OK, ERROR, OK, WARN]
     assert listeners.messages == [
         'ok', 'refused: 2 more, 2 in all; out of order: 1 more, 1 in all; silence', 'silence',
         'out of order: 2 more, 3 in all']
@@ -201,13 +183,15 @@ def test_a_rate_is_what_was_sent_since_the_last_look_and_judged_where_there_is_e
 
 def test_the_skew_of_stamps_is_kept_with_its_sign_and_its_largest():
     heard = Heard()
-    assert heard.age(5) is None and silence(heard, 5, 1.0, 'in')[0].level == STALE
+    assert heard.age(5) is None and unheard(heard, 'in')[0].level == WARN
+    assert quiet(heard, 5, 1.0, 'in') == []
     for now, stamp in ((10, 9), (20, 25), (30, 28)):
         heard.note(now, stamp)
     assert (heard.count, heard.skew_ns, heard.largest_skew_ns) == (3, 2, -5)
     assert heard.age(30 + 2 * 10**9) == 2.0
-    assert silence(heard, 31, 1.0, 'in') == silence(heard, 9 * 10**9, 0.0, 'in') == []
-    assert 'for 2.0 s' in silence(heard, 30 + 2 * 10**9, 1.0, 'in')[0].message
+    assert unheard(heard, 'in') == []
+    assert quiet(heard, 31, 1.0, 'in') == quiet(heard, 9 * 10**9, 0.0, 'in') == []
+    assert 'for 2.0 s' in quiet(heard, 30 + 2 * 10**9, 1.0, 'in')[0].message
 
 
 def test_ages_and_rates_are_those_of_before_where_the_clock_was_stepped():
@@ -219,16 +203,56 @@ def test_ages_and_rates_are_those_of_before_where_the_clock_was_stepped():
         held.hear('/wheel_rates', JointState(name=['arm'], velocity=[1.0]))  # not ours: no news
         diagnosis = held.node.diagnosis(Look(back))
         assert diagnosis.values['age of the last wheel motion [s]'] == 0.7
-        assert [trouble.level for trouble in diagnosis.troubles] == [STALE]
+        assert [trouble.level for trouble in diagnosis.troubles] == [WARN]
     reporter = Reporter('/node', 'robot', Listeners())
     reporter.look(10**12, 1)
     reporter.clock_stepped(-5 * 10**11)
     assert reporter.look(5 * 10**11 + 10**9, 51).rate == 50.0
 
 
-def test_a_step_that_the_stamps_were_off_by_was_their_own():
-    heard = Heard()
-    heard.note(3600 * 10**9, 10**9)  # its sender's clock was stepped back by an hour before
-    assert heard.agrees_after(-3600 * 10**9) and not heard.agrees_after(3600 * 10**9)
-    heard.note(3600 * 10**9, 3600 * 10**9 - 10**6)
-    assert not heard.agrees_after(-3600 * 10**9) and not heard.agrees_after(3600 * 10**9)
+@pytest.mark.parametrize('rate, level', [(0.0, OK), (1.0, WARN)])
+@pytest.mark.parametrize('make, topic', [
+    (SimulatedBase, '/wheel_rates'), (WheelNoise, '/wheel_rates')], ids=['base', 'noise'])
+def test_wheels_that_fell_silent_are_well_at_rest_and_a_warning_where_they_turned(
+        make, topic, rate, level):
+    with inside(make, {**KHEPERA, 'enable_odom_tf': False}) as held:
+        message = JointState(name=JOINTS, velocity=[rate, rate])
+        set_stamp(message, START_NS)
+        held.hear(topic, message)
+        later = START_NS + 3600 * 10**9
+        held.advance_to(later)
+        (trouble,) = held.node.diagnosis(Look(later)).troubles
+        assert trouble.level == level
+        assert "nothing heard on '/wheel_rates' for 3600.0 s" in trouble.message
+        assert ('at rest' in trouble.message) == (level == OK)
+
+
+def test_a_parked_robot_is_well_and_nothing_is_ever_stale(graph):
+    """Controller and base, an hour or a second after the last command."""
+    for name, parameters in ((CONTROLLER, {}), ('simulated_base', {'enable_odom_tf': False})):
+        graph.start(name, {**KHEPERA, **parameters, **FAST})
+    statuses = collect(graph, f'/{CONTROLLER}'), collect(graph, '/simulated_base')
+    commands = graph.publisher(Twist, 'cmd_vel')
+    for v in (0.1, 0.0):
+        commands.publish(twist(v, 0.0))
+    wait_for_level(graph, statuses[0], OK, "at rest, nothing heard on '/cmd_vel' for 1.")
+    assert graph.wait_for(
+        lambda: statuses[1] and statuses[1][-1][:2] == (OK, 'ok'), 'a base that is well')
+    parked = len(statuses[0]), len(statuses[1])
+    graph.wait_for(lambda: min(map(len, statuses)) > max(parked) + 20, 'more of them')
+    for heard, begin in zip(statuses, parked):
+        assert {level for level, *_ in heard[begin:]} == {OK}
+    assert DiagnosticStatus.STALE not in {level for heard in statuses for level, *_ in heard}
+
+
+def test_reports_come_though_simulated_time_stands_and_on_the_clock_it_shows(graph):
+    arrays = graph.collect(DiagnosticArray, '/diagnostics')
+    graph.start(CONTROLLER, {**KHEPERA, 'use_sim_time': True, **FAST})
+    graph.wait_for(lambda: len(arrays) > 3, 'diagnostics')
+    clock = graph.publisher(Clock, '/clock')
+    clock.publish(Clock(clock=Time(sec=7)))
+    graph.wait_for(lambda: stamp_ns(arrays[-1]) == 7 * 10**9, 'diagnostics on the new time')
+    (status,) = graph.wait_for(
+        lambda: [status for status in arrays[-1].status if '/clock stands at' in status.message],
+        'that it stands')
+    assert status.level == WARN and '/clock stands at 7.000 s' in status.message

@@ -30,6 +30,7 @@ EXECUTABLES = {
     'diff_drive_controller': KHEPERA,
     'wheel_noise': {'wheel_radius': 0.021},
     'simulated_base': KHEPERA,
+    'wheel_odometry': KHEPERA,
     'command_sequence': {'commands': [0.1, 0.0, 60.0]},
     'forward_projection': KHEPERA,
     'goal_steering': {},

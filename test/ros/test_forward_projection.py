@@ -15,12 +15,18 @@
 """Where the robot may soon be, as it is published: samples, and the boundary around all."""
 
 import math
+import os
+from pathlib import Path
+import re
+import signal
 
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from geometry_msgs.msg import PolygonStamped, PoseArray
 from graph import KHEPERA, set_stamp, stamp_ns
 from nav_msgs.msg import Odometry
 import numpy as np
 import pytest
+from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState
 
 JOINTS = ['left_wheel_joint', 'right_wheel_joint']
@@ -86,6 +92,19 @@ def furthest_outside(points, polygon):
     return float(np.max(distance[outside]))
 
 
+def tell_the_time(clock, time_ns):
+    """Publish the simulated time [ns]."""
+    message = Clock()
+    message.clock.sec, message.clock.nanosec = divmod(time_ns, 10**9)
+    clock.publish(message)
+
+
+def children(process):
+    """Return the processes that a process has started, and that are not gone."""
+    return [int(pid) for task in Path(f'/proc/{process.pid}/task').iterdir()
+            for pid in (task / 'children').read_text().split()]
+
+
 def both(poses, boundaries):
     return poses and boundaries
 
@@ -93,8 +112,10 @@ def both(poses, boundaries):
 @pytest.mark.parametrize('changes', [
     {}, {'stages': 5}, {'slip_distribution': 'triangular', 'stages': 3},
     {'slip_distribution': 'truncated_gaussian'}, {'left_slip_variance': 2e-3, 'stages': 2},
-    {'rates': (5.0, 5.0)}, {'rates': (-4.0, -5.0), 'stages': 4}],
-    ids=['uniform', 'stages', 'triangular', 'truncated', 'large', 'straight', 'reverse'])
+    {'rates': (5.0, 5.0)}, {'rates': (-4.0, -5.0), 'stages': 4},
+    {'rates': (0.0, 9.0), 'stages': 25}, {'executor': 'single_threaded'}],
+    ids=['uniform', 'stages', 'triangular', 'truncated', 'large', 'straight', 'reverse', 'pivot',
+         'executor'])
 def test_the_published_boundary_contains_every_published_sample(graph, changes):
     settings = {**SETTINGS, **changes}
     rates = settings.pop('rates', (6.0, 9.0))
@@ -154,3 +175,103 @@ def test_an_odometry_that_is_not_finite_is_refused_and_the_next_is_projected(gra
     bad.pose.pose.position.x, bad.pose.pose.orientation.w = 9.0, 1.0
     publisher.publish(bad)
     graph.wait_for(lambda: poses[-1].poses[0].position.x > 8.0, 'the next')
+
+
+def test_what_nobody_listens_to_starts_no_process(graph):
+    process = graph.start('forward_projection', {**SETTINGS, 'diagnostics_rate': 20.0})
+    looks = graph.collect(DiagnosticArray, '/diagnostics')
+    publisher, odometry = tell(graph)
+
+    def heard():
+        publisher.publish(odometry)
+        return looks and int(next(
+            value.value for value in looks[-1].status[0].values
+            if value.key == 'odometry messages')) > 20
+
+    graph.wait_for(heard, 'twenty odometries')
+    assert not children(process)
+    poses = graph.collect(PoseArray, 'projected_poses')
+    graph.wait_for(lambda: publisher.publish(odometry) or poses, 'projections')
+    assert len(children(process)) == 1
+
+
+def test_a_projection_whose_process_is_killed_says_so_and_goes_on(graph):
+    poses, _, process = project(graph, {**SETTINGS, 'samples': 5}, both)
+    child, = children(process)
+    os.kill(child, signal.SIGKILL)
+    publisher, odometry = tell(graph)
+    graph.wait_for(
+        lambda: publisher.publish(odometry) or 'status -9' in process.output, 'the report')
+    passed = len(poses)
+    graph.wait_for(lambda: publisher.publish(odometry) or len(poses) > passed, 'more of them')
+    assert child not in children(process)
+
+
+@pytest.mark.parametrize('number', [signal.SIGINT, signal.SIGTERM])
+def test_a_projection_ends_in_the_middle_of_its_work_and_leaves_no_process(graph, number):
+    poses, _, process = project(
+        graph, {**SETTINGS, 'samples': 100_000, 'stages': 25, 'publish_rate': 100.0}, both)
+    child, = children(process)
+    passed, (publisher, odometry) = len(poses), tell(graph)
+    graph.wait_for(lambda: publisher.publish(odometry) or len(poses) > passed, 'work')
+    assert process.stop(number) == 0
+    assert not Path(f'/proc/{child}').exists()
+    assert 'Traceback' not in process.output
+
+
+@pytest.mark.parametrize('simulated', [False, True], ids=['stamps', 'node'])
+def test_a_clock_that_is_not_that_of_the_stamps_is_named_and_projections_are_right(
+        graph, simulated):
+    """One of both is simulated: the time of the stamps, or that of the node."""
+    process = graph.start('forward_projection', {
+        **KHEPERA, 'publish_rate': 20.0, 'samples': 2, 'horizon': 4.0, 'use_sim_time': simulated,
+        'diagnostics_rate': 5.0})
+    began_ns = graph.now_ns()
+    clock = graph.publisher(Clock, '/clock') if simulated else None
+    poses = graph.collect(PoseArray, 'projected_poses')
+    looks = graph.collect(DiagnosticArray, '/diagnostics')
+    wheels, odometries = (
+        graph.publisher(kind, topic)
+        for kind, topic in ((JointState, 'wheel_rates'), (Odometry, 'odom')))
+    turning, odometry = JointState(name=JOINTS, velocity=[5.0, 5.0]), Odometry()
+    odometry.pose.pose.orientation.w = 1.0
+
+    def pass_time():
+        """Return what the simulated clock shows [ns]."""
+        simulated_ns = 100 * 10**9 + graph.now_ns() - began_ns
+        if clock:
+            tell_the_time(clock, simulated_ns)
+        return simulated_ns
+
+    def tell():
+        simulated_ns = pass_time()
+        for publisher, message in ((wheels, turning), (odometries, odometry)):
+            set_stamp(message, graph.now_ns() if simulated else simulated_ns)
+            publisher.publish(message)
+
+    def found():
+        tell()
+        return [status for look in looks for status in look.status
+                if 'use_sim_time' in status.message]
+
+    graph.wait_for(lambda: pass_time() and looks, 'a node that knows the time')
+    (level,) = {status.level for status in graph.wait_for(found, 'the finding')}
+    assert level == DiagnosticStatus.WARN
+    for topic in '/odom', '/wheel_rates':
+        said = [line for line in process.output.splitlines() if f"stamps on '{topic}'" in line]
+        assert len(said) == 1 and '[WARN]' in said[0]
+        assert f'use_sim_time (now {str(simulated).lower()})' in said[0]
+        times = sorted(float(time) for time in re.findall(r'([0-9.]+) s\b', said[0]))
+        assert times[0] == pytest.approx(100.0, abs=60.0) and times[1] > 1e9
+    distance = 5.0 * KHEPERA['wheel_radius'] * 4.0
+    assert poses
+    for message in poses:
+        assert positions(message) == pytest.approx(np.array([[distance, 0.0]] * 2), abs=1e-9)
+    looks.clear()
+    graph.wait_for(  # without a word from outside but the time
+        lambda: pass_time() and any(
+            'nothing heard' in status.message for look in looks for status in look.status),
+        'silence')
+    ages = [float(value.value) for look in looks for status in look.status
+            for value in status.values if value.key == 'age of the last odometry [s]']
+    assert ages and all(0.0 <= age < 60.0 for age in ages)

@@ -75,7 +75,7 @@ def test_recorded_encoders_give_the_odometry_that_offline_integration_gives(grap
         rows = load(run)
         base = graph.start('simulated_base', {
             **ROBOT, 'wheel_motion_topic': 'joint_states', 'joint_states_topic': 'rolled',
-            'publish_rate': 1000.0, 'enable_odom_tf': False})
+            'publish_rate': 1000.0, 'enable_odom_tf': False, 'extrapolate_positions': False})
         pose = replay_encoders(graph, rows)
         expected = offline_pose(rows)
         assert pose.x == pytest.approx(expected.x, abs=1e-9)

@@ -96,7 +96,8 @@ def test_a_second_idle_controller_does_not_move_the_pose(graph):
 
 
 def test_joint_states_of_a_clock_that_is_ahead_count_from_their_second_message_on(graph):
-    base = graph.start('simulated_base', {**KHEPERA, 'enable_odom_tf': False})
+    base = graph.start('simulated_base', {
+        **KHEPERA, 'enable_odom_tf': False, 'extrapolate_positions': False})
     odometry = graph.collect(Odometry, 'odom')
     wheels = graph.publisher(JointState, 'wheel_rates')
     ahead = graph.now_ns() + 3_000_000_000

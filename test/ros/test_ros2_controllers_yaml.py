@@ -16,10 +16,14 @@
 YAML of ros2_controllers' ``diff_drive_controller`` gives the velocities that it gives there.
 
 ``rate_limited`` says what control_toolbox's ``RateLimiter`` does, which ros2_controllers'
-``SpeedLimiter`` wraps.  The package differs on purpose in three things, and is tested for them:
+``SpeedLimiter`` wraps.  The package differs on purpose in five things, and is tested for them:
 
 * A step through zero: there the rate at which the robot brakes also speeds it up in the new
   direction; here that has its own rate for what remains of the step.
+* Acceleration that points away from the target: there the jerk limit has to turn it round first,
+  so that the velocity grows after a command to stop; here it ends at once.
+* Acceleration towards the target: there it ends on arrival, however large it is; here its end is
+  planned, within the jerk limit, which may be by a step smaller before.
 * A limit whose partner is NaN: there ``min_velocity`` without ``max_velocity``, a braking rate
   without ``max_acceleration`` and ``min_jerk`` without ``max_jerk`` do not count; here they do.
 * The step: there it is the period of the controller manager; here it is 1 / ``publish_rate``.
@@ -92,6 +96,37 @@ def through_zero(limits, v, v0, v1, dt=DT):
                                              v_max)
 
 
+def allowed(limits, v):
+    high = or_else(limits.get('max_velocity', NAN), math.inf)
+    return clamp(v, or_else(limits.get('min_velocity', NAN), -high), high)
+
+
+def ends_in_time(limits, change, v0, goal, dt=DT):
+    """Return whether an acceleration can fall within its jerk so as to end at the goal."""
+    towards = math.copysign(1.0, change)
+    high = limits['max_jerk']
+    fall = (-or_else(limits.get('min_jerk', NAN), -high) if change > 0.0 else high) * dt * dt
+    free = {**limits, 'max_jerk': NAN, 'min_jerk': NAN}
+    while change * towards > 0.0:
+        v = v0 + change
+        most = rate_limited(free, goal, v0, v0, dt)
+        if v0 * v < 0.0 and not math.isnan(limits['max_acceleration']):
+            most = through_zero(free, goal, v0, v0, dt)
+        if (v - goal) * towards > 1e-12 or (v - most) * towards > 1e-12:
+            return False
+        v0, change = v, change - towards * fall
+    return True
+
+
+def planned(limits, v, v0, goal, dt=DT):
+    """Return what is nearest to v and still lets the acceleration end at the goal."""
+    good, bad = 0.0, v - v0
+    for _ in range(60):
+        middle = (good + bad) / 2
+        good, bad = (middle, bad) if ends_in_time(limits, middle, v0, goal, dt) else (good, middle)
+    return v0 + good
+
+
 def limits_of(path, axis):
     """Return the limits that a YAML file sets, as ros2_controllers reads them."""
     values = yaml.safe_load(path.read_text())['diff_drive_controller']['ros__parameters']
@@ -145,19 +180,29 @@ def test_yaml_of_ros2_controllers_loads_unchanged_and_limits_as_it_does_there(na
     assert config.drive.geometry.wheel_radius == values['wheel_radius']
     assert config.drive.geometry.separation == values['wheel_separation'] * values.get(
         'wheel_separation_multiplier', 1.0)
-    cut = passed = 0
+    cut = passed = turned = softened = steps = 0
     for axis, key in enumerate(('linear.x', 'angular.z')):
         limits = limits_of(path, key)
         v1 = v0 = 0.0
         for target, after in zip(asked, limited[1:]):
+            goal, jerk = allowed(limits, target[axis]), not math.isnan(limits['max_jerk'])
+            if jerk and (v0 - v1) * (goal - v0) < 0.0:
+                turned += rate_limited(limits, target[axis], v0, v1) != (
+                    rate_limited(limits, target[axis], v0, v0))
+                v1 = v0
             v = rate_limited(limits, target[axis], v0, v1)
             if v * v0 < 0.0 and not math.isnan(limits['max_acceleration']):
                 passed += v != (v := through_zero(limits, target[axis], v0, v1))
+            if jerk and not ends_in_time(limits, v - v0, v0, goal):
+                softened += v != (v := planned(limits, v, v0, goal))
             assert after[axis] == pytest.approx(v, rel=1e-9, abs=1e-12)
             cut += abs(v - target[axis]) > 1e-9
             v1, v0 = v0, after[axis]
+            steps += 1
     assert (cut == 0) == (name == 'switched_off')
     assert (passed > 5) == (name in ('limits', 'four_rates'))
+    assert (turned > 5) == (softened > 5) == (name in ('limits', 'four_rates'))
+    assert passed + turned + softened < 0.5 * steps, 'all others are the same'
 
 
 @pytest.mark.parametrize('alone, target, current, there, here', [
@@ -171,6 +216,22 @@ def test_a_limit_whose_partner_is_nan_counts_here_and_not_there(
     assert rate_limited(alone, target, current, current) == there
     limited = AxisLimits(**alone).limit(target, current=current, before=current, dt=DT)
     assert limited == pytest.approx(here, abs=1e-15)
+
+
+def test_a_stop_while_speeding_up_slows_down_here_and_speeds_up_there():
+    limits = {'max_acceleration': 5.0, 'max_jerk': 10.0}
+    v0, v1 = 1.0, 1.0 - 4.0 * DT
+    assert rate_limited(limits, 0.0, v0, v1) > v0
+    limited = AxisLimits(**limits).limit(0.0, current=v0, before=v1, dt=DT)
+    assert limited == pytest.approx(v0 - 10.0 * DT * DT)
+
+
+def test_an_acceleration_ends_within_its_jerk_here_and_at_once_there():
+    limits = {'max_acceleration': 5.0, 'max_jerk': 50.0}
+    v0, v1, end = 1.0, 1.0 - 3 * 50.0 * DT * DT, 1.0 + 3 * 50.0 * DT * DT
+    assert rate_limited(limits, end, v0, v1) == pytest.approx(end)
+    limited = AxisLimits(**limits).limit(end, current=v0, before=v1, dt=DT)
+    assert limited == pytest.approx(1.0 + 2 * 50.0 * DT * DT)
 
 
 def test_a_step_through_zero_speeds_up_at_its_own_rate_here_and_at_the_brakes_there():

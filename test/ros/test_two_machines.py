@@ -86,6 +86,18 @@ class Machines:
     def node(self, name, executable, parameters):
         return self.start(name, '-c', START.format(executable), *arguments(parameters))
 
+    def end_of_last(self):
+        """Return the exit status of the process that was started last."""
+        return self._processes[-1].wait(DEADLINE_S)
+
+    def export(self, name, value):
+        """Set a variable for what is started from now on."""
+        self._environment[name] = value
+
+    def unset(self, name):
+        """Let a variable be unset for what is started from now on."""
+        self._environment.pop(name, None)
+
     def outputs(self):
         return '\n'.join(path.read_text()[-2000:] for path in sorted(self._directory.iterdir())
                          if path.suffix == '.txt')
@@ -173,3 +185,21 @@ def test_a_base_on_another_machine_is_exact_stops_when_the_cable_is_pulled_and_g
     ears.wait_for(lambda: ears.odom[-1][4] != 0.0, 'the base goes on')
     again, wheels = ears.odom[-1], ears.wheels[-1]
     assert off_by(again, after(driven(wheels) + (again[0] - wheels[0]) / 1e9)) < 1e-9
+
+
+def test_the_demo_is_heard_on_another_machine_only_where_the_user_says_so(machines):
+    """A robot in the same laboratory that listens to Twist would obey."""
+    a, b = machines.names
+    ears = Ears(machines, machines.start(b, str(WATCHER)))
+    machines.unset('ROS_AUTOMATIC_DISCOVERY_RANGE')
+    demo = '-c', START.format('diffdrive_sim')
+    report = machines.start(a, *demo)
+    assert machines.end_of_last() == 0, machines.outputs()
+    assert 'on this machine only' in report.read_text()
+    ears.read()
+    assert not ears.odom and not ears.wheels
+    machines.export('ROS_AUTOMATIC_DISCOVERY_RANGE', 'SUBNET')
+    report = machines.start(a, *demo)
+    ears.wait_for(lambda: ears.odom[-1][1] > 0.0, 'the demo')
+    assert machines.end_of_last() == 0, machines.outputs()
+    assert 'on this machine only' not in report.read_text()

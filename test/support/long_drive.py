@@ -51,7 +51,7 @@ class Course:
             for twist in self.twists:
                 drive, (told, *_) = drive.commanded(twist, now)
                 odometry, _ = odometry.received(
-                    WheelSample(now, told.rates, told.angles, 'drive'), now)
+                    WheelSample(now, told.rates, told.angles, '/drive#1'), now)
                 now += PERIOD_NS
         return odometry.at(now)
 

@@ -1,0 +1,292 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""
+The clock of a sender, as the times show at which its messages arrive.
+
+The latency of a message, its arrival minus its stamp, is the offset of the sender's clock plus
+what the message took.  The least latency is the offset, but for the fastest message's way.
+
+* It falls at once: no message comes before it was sent.
+* It rises by a thousandth of the time that passes, ten times what crystals drift, so that time
+  mapped by it always goes on; and at once to that of later messages, where nothing but later ones
+  has come for a while.  A burst after a stall ends with messages in time, and changes nothing.
+* A clock that is within the tolerance is the own one, and its stamps are taken as they are.
+"""
+
+from typing import NamedTuple, Optional, Tuple
+
+__all__ = ['SenderClock', 'tolerance_of']
+
+TOLERANCE_NS = 250_000_000
+
+PATIENCE_NS = 1_000_000_000
+FEWEST = 5  # messages to judge by
+DRIFT = 1000  # the least latency may rise by one part of so many
+HYSTERESIS = 10  # clocks that were apart agree again within one part in so many of the tolerance
+
+
+def tolerance_of(timeout_ns: Optional[int]) -> int:
+    """
+    Return how far stamps may be off where silence has a timeout: half of it.
+
+    Parameters
+    ----------
+    timeout_ns : int or None
+        The timeout [ns]; None: there is none.
+
+    Returns
+    -------
+    int
+        The tolerance [ns], a quarter of a second at most.
+
+    Examples
+    --------
+    >>> tolerance_of(None), tolerance_of(100_000_000)
+    (250000000, 50000000)
+
+    """
+    return TOLERANCE_NS if timeout_ns is None else min(TOLERANCE_NS, timeout_ns // 2)
+
+
+class SenderClock(NamedTuple):
+    """
+    What is known of a sender's clock; a value: :meth:`observed` returns a new one.
+
+    Parameters
+    ----------
+    tolerance_ns : int
+        Difference [ns] up to which the clock is the own one.
+    apart : bool
+        Whether the clock is another one, by what was heard so far.
+    least_ns : int or None
+        The least latency [ns]; None: nothing was heard.
+    stamp_ns, arrival_ns : int
+        Of the last message that taught something [ns].
+    messages, since_ns : int
+        How many messages have come since the clock is apart, and when [ns] the first one came.
+    late, late_since_ns, late_least_ns : int
+        How many messages in a row came late, when [ns] the first did, and the least latency [ns].
+    low_ns, high_ns : int
+        Latencies [ns] from one to the other teach nothing; there are some where clocks agree.
+
+    Examples
+    --------
+    A clock that is 3 s ahead, less the millisecond that the message took:
+
+    >>> clock = SenderClock(tolerance_of(None)).observed(8_000_000_000, 5_001_000_000)
+    >>> clock.apart, clock.offset_ns, clock.differs
+    (True, -2999000000, False)
+    >>> clock.own_ns(9_000_000_000), clock.theirs_ns(6_001_000_000)
+    (6001000000, 9000000000)
+    >>> clock.delay_ns(9_000_000_000, 6_003_000_000)  # 2 ms more than the first one
+    2000000
+
+    """
+
+    tolerance_ns: int
+    apart: bool = False
+    least_ns: Optional[int] = None
+    stamp_ns: int = 0
+    arrival_ns: int = 0
+    messages: int = 0
+    since_ns: int = 0
+    late: int = 0
+    late_since_ns: int = 0
+    late_least_ns: int = 0
+    low_ns: int = 0
+    high_ns: int = -1
+
+    @property
+    def offset_ns(self) -> int:
+        """Return what [ns] to add to stamps for the time on the own clock; 0: they agree."""
+        return self.least_ns or 0 if self.apart else 0
+
+    @property
+    def differs(self) -> bool:
+        """Return whether the clock is another one, and steadily so."""
+        return (self.apart and self.messages >= FEWEST
+                and self.arrival_ns - self.since_ns >= PATIENCE_NS)
+
+    def own_ns(self, stamp_ns: int) -> int:
+        """
+        Return the time on the own clock of a stamp.
+
+        Parameters
+        ----------
+        stamp_ns : int
+            The stamp [ns].
+
+        Returns
+        -------
+        int
+            The time [ns].
+
+        Examples
+        --------
+        See :class:`SenderClock`.
+
+        """
+        return stamp_ns + self.offset_ns
+
+    def theirs_ns(self, time_ns: int) -> int:
+        """
+        Return the time on the sender's clock when the own clock shows another.
+
+        Parameters
+        ----------
+        time_ns : int
+            The time on the own clock [ns].
+
+        Returns
+        -------
+        int
+            The time on the sender's clock [ns].
+
+        Examples
+        --------
+        See :class:`SenderClock`.
+
+        """
+        return time_ns - self.offset_ns
+
+    def delay_ns(self, stamp_ns: int, arrival_ns: int) -> int:
+        """
+        Return how much later than the fastest ones a message came, whatever the clock.
+
+        Parameters
+        ----------
+        stamp_ns : int
+            Its stamp [ns].
+        arrival_ns : int
+            When it came [ns], on the own clock.
+
+        Returns
+        -------
+        int
+            The delay [ns].
+
+        Examples
+        --------
+        See :class:`SenderClock`.
+
+        """
+        return arrival_ns - stamp_ns - (self.least_ns or 0)
+
+    def observed(self, stamp_ns: int, arrival_ns: int) -> 'SenderClock':
+        """
+        Return the clock after one more message.
+
+        Parameters
+        ----------
+        stamp_ns : int
+            Its stamp [ns].
+        arrival_ns : int
+            When it came [ns], on the own clock.
+
+        Returns
+        -------
+        SenderClock
+            What is known of the clock then.
+
+        Examples
+        --------
+        See :class:`SenderClock`.
+
+        """
+        latency = arrival_ns - stamp_ns
+        if self.low_ns <= latency <= self.high_ns:
+            return self  # as nearly always
+        least = self.least_ns
+        if least is None or self.apart and stamp_ns < self.stamp_ns - self.tolerance_ns:
+            return self.begun(stamp_ns, arrival_ns)  # it was set back
+        if self.apart:
+            least += (arrival_ns - self.arrival_ns) // DRIFT
+        late, since_ns, late_least = 0, arrival_ns, latency
+        if latency < least:
+            least = latency
+        elif latency > least + self.tolerance_ns:
+            late = self.late + 1
+            if self.late:
+                since_ns, late_least = self.late_since_ns, min(latency, self.late_least_ns)
+            if late >= FEWEST and arrival_ns - since_ns >= PATIENCE_NS:
+                least, late = late_least, 0
+        limit = self.tolerance_ns // HYSTERESIS if self.apart else self.tolerance_ns
+        apart = not -limit <= least <= limit
+        messages, first_ns = (self.messages + 1, self.since_ns) if self.apart else (1, arrival_ns)
+        return SenderClock(
+            self.tolerance_ns, apart, least, stamp_ns, arrival_ns, messages, first_ns, late,
+            since_ns, late_least, *self._calm(apart or late > 0, least))
+
+    def begun(self, stamp_ns: int, arrival_ns: int) -> 'SenderClock':
+        """
+        Return the clock as one message alone shows it: the first, or after a step of it.
+
+        Parameters
+        ----------
+        stamp_ns : int
+            Its stamp [ns].
+        arrival_ns : int
+            When it came [ns], on the own clock.
+
+        Returns
+        -------
+        SenderClock
+            What is known of the clock then.
+
+        Examples
+        --------
+        >>> SenderClock(tolerance_of(None)).begun(8_000_000_000, 5_000_000_000).offset_ns
+        -3000000000
+
+        """
+        latency = arrival_ns - stamp_ns
+        apart = abs(latency) > self.tolerance_ns
+        low_ns, high_ns = self._calm(apart, latency)
+        return SenderClock(
+            self.tolerance_ns, apart, latency, stamp_ns, arrival_ns, 1, arrival_ns,
+            low_ns=low_ns, high_ns=high_ns)
+
+    def clock_stepped(self, step_ns: int) -> 'SenderClock':
+        """
+        Return the clock as it reads after the own one was stepped.
+
+        Parameters
+        ----------
+        step_ns : int
+            By how much the own clock was stepped [ns].
+
+        Returns
+        -------
+        SenderClock
+            The clock with its times moved; one that was the own one is so still.
+
+        Examples
+        --------
+        >>> clock = SenderClock(tolerance_of(None)).observed(8_000_000_000, 5_000_000_000)
+        >>> clock.clock_stepped(1_000_000_000).offset_ns
+        -2000000000
+
+        """
+        if self.least_ns is None:
+            return self
+        apart_by = step_ns if self.apart else 0  # else both are the one that was stepped
+        return self._replace(
+            least_ns=self.least_ns + apart_by, arrival_ns=self.arrival_ns + step_ns,
+            since_ns=self.since_ns + step_ns, late_since_ns=self.late_since_ns + step_ns,
+            late_least_ns=self.late_least_ns + apart_by)
+
+    def _calm(self, alert: bool, least_ns: int) -> Tuple[int, int]:
+        """Return the latencies [ns] that teach nothing; where the clock is watched, none."""
+        return (0, -1) if alert else (least_ns, self.tolerance_ns)

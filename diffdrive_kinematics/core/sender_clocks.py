@@ -1,0 +1,126 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""
+How long ago a message was sent, where the clocks of its senders may be other ones than the own.
+
+The latency of a message, the own clock at its arrival less the sender's when it was sent, is its
+age and the offset of the two clocks in one.  The offsets of several senders are known at a time,
+since a message does not say whose it is; its age is the least that one of them explains.
+
+* Senders are on the own clock until they show that they are not.
+* A message that comes before any known sender could have sent it is of another one, whose clock
+  is ahead; its offset is learnt at once.
+* Messages that are old come as a burst, out of a queue, the later ones less old.  Those that come
+  late and equally so for a while are sent as they come, by another clock: its offset is learnt.
+* What no message has fitted for a while, where others have fitted another one, is forgotten.
+"""
+
+from typing import NamedTuple, Optional, Tuple
+
+__all__ = ['REMEMBERED_NS', 'SenderClocks']
+
+WHILE_NS = 300_000_000  # for which messages of another clock come equally late
+EQUALLY_NS = 100_000_000
+GAP_NS = 1_000_000_000  # beyond the timeout: the longest between two such messages
+REMEMBERED_NS = 10_000_000_000
+MOST = 8
+
+
+class Clock(NamedTuple):
+    """
+    What may be the clock of a sender: own clock less the sender's [ns], and when it was heard.
+
+    It is ``known``, or in doubt: messages came late, but equally so.
+    """
+
+    offset_ns: int
+    first_ns: int
+    last_ns: int
+    known: bool
+
+
+OWN = Clock(0, 0, 0, True)
+
+
+class SenderClocks(NamedTuple):
+    """
+    What is known of the clocks of senders; a value: :meth:`heard` returns a new one.
+
+    Parameters
+    ----------
+    timeout_ns : int
+        Age [ns] at which a message is old; clocks are told apart to half of it.
+    clocks : tuple of Clock
+        The latest last; one of them is known.
+
+    """
+
+    timeout_ns: int
+    clocks: Tuple[Clock, ...] = (OWN,)
+
+    def heard(self, latency_ns: int, arrival_ns: int) -> Tuple['SenderClocks', int]:
+        """
+        Return the clocks after a message, and its age [ns].
+
+        Parameters
+        ----------
+        latency_ns : int
+            Own clock at its arrival less the sender's when it was sent [ns].
+        arrival_ns : int
+            Time of its arrival [ns] on a steady clock.
+
+        """
+        half = self.timeout_ns // 2
+        clock = max((clock for clock in self.clocks
+                     if clock.known and clock.offset_ns <= latency_ns + half), default=None)
+        if clock is None:
+            return self._with(Clock(latency_ns, arrival_ns, arrival_ns, True)), 0
+        age = max(0, latency_ns - clock.offset_ns)
+        if age <= half:
+            return self._with(clock._replace(last_ns=arrival_ns), clock), age
+        doubt = self._doubt(latency_ns, arrival_ns)
+        if doubt is None:
+            return self._with(Clock(latency_ns, arrival_ns, arrival_ns, False)), age
+        least = min(latency_ns, doubt.offset_ns)
+        known = arrival_ns - doubt.first_ns >= WHILE_NS
+        return (self._with(Clock(least, doubt.first_ns, arrival_ns, known), doubt),
+                latency_ns - least if known else age)
+
+    def agree(self) -> bool:
+        """Return whether all senders are on the own clock, as far as is known."""
+        return len(self.clocks) == 1 and self.clocks[0].offset_ns == 0
+
+    def clock_stepped(self, step_ns: int) -> 'SenderClocks':
+        """Return the clocks after the own one was stepped: some senders' were, and some not."""
+        known = [clock for clock in self.clocks if clock.known][-MOST // 2:]
+        stepped = [clock._replace(offset_ns=clock.offset_ns + step_ns) for clock in known]
+        return self._replace(clocks=(*stepped, *known))
+
+    def _doubt(self, latency_ns: int, arrival_ns: int) -> Optional[Clock]:
+        """Return the clock in doubt of which a message may be."""
+        return next((
+            clock for clock in self.clocks
+            if not clock.known and abs(latency_ns - clock.offset_ns) <= EQUALLY_NS
+            and arrival_ns - clock.last_ns <= GAP_NS + self.timeout_ns), None)
+
+    def _with(self, new: Clock, old: Optional[Clock] = None) -> 'SenderClocks':
+        """Return the clocks with a new one, in the place of an old one, as the latest."""
+        since_ns = new.last_ns - REMEMBERED_NS - 4 * self.timeout_ns
+        kept = [clock for clock in self.clocks
+                if clock is not old and (not new.known or clock.last_ns >= since_ns)]
+        if len(kept) >= MOST:
+            doubts = [clock for clock in kept if not clock.known]
+            kept.remove(doubts[0] if doubts else kept[0])
+        return self._replace(clocks=(*kept, new))
