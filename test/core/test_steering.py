@@ -120,11 +120,13 @@ def test_a_goal_straight_behind_is_reached_whatever_the_noise_makes_of_the_sign(
 
 
 @pytest.mark.parametrize('sign', [1.0, -1.0])
-def test_the_first_turn_is_the_short_way_round(sign):
+@pytest.mark.parametrize('bearing', [0.0, 1.5, 3.1, -3.1])
+def test_the_first_turn_is_the_short_way_round(sign, bearing):
     for error in (0.3, 1.0, 2.0, 3.0, math.pi - 1e-9):
-        pose = Pose(-1.0, 0.0, -sign * error)
+        pose = Pose(-math.cos(bearing), -math.sin(bearing), wrap_angle(bearing - sign * error))
         assert sign * LAWS['heading'].steered(pose, GOAL).twist.w > 0.0
-        assert sign * LAWS['pose'].steered(pose, GOAL).twist.w > 0.0
+        goal = GOAL._replace(theta=bearing)
+        assert sign * LAWS['pose'].steered(pose, goal).twist.w > 0.0
         assert sign * PurePursuit().pursued(pose, Points(((0.0, 0.0),)), 0.0).steered.twist.w > 0.0
 
 
