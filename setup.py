@@ -15,6 +15,7 @@
 """Build and install diffdrive_kinematics, with pip or with colcon."""
 
 from glob import glob
+from os.path import isfile
 
 from setuptools import find_packages, setup
 
@@ -48,7 +49,8 @@ setup(
     data_files=[
         ('share/ament_index/resource_index/packages', ['resource/' + PACKAGE_NAME]),
         ('share/' + PACKAGE_NAME, ['package.xml']),
-        ('share/' + PACKAGE_NAME + '/config', sorted(glob('config/*'))),
+        ('share/' + PACKAGE_NAME + '/config', sorted(filter(isfile, glob('config/*')))),
+        ('share/' + PACKAGE_NAME + '/config/figures', sorted(glob('config/figures/*'))),
     ],
     python_requires='>=3.10',
     install_requires=['setuptools', 'numpy'],
@@ -81,6 +83,7 @@ setup(
             'diff_drive_controller = diffdrive_kinematics.executables:diff_drive_controller',
             'diffdrive_sim = diffdrive_kinematics.executables:diffdrive_sim',
             'forward_projection = diffdrive_kinematics.executables:forward_projection',
+            'goal_steering = diffdrive_kinematics.executables:goal_steering',
             'plot_paths = diffdrive_kinematics.executables:plot_paths',
             'robot_description = diffdrive_kinematics.executables:robot_description',
             'simulated_base = diffdrive_kinematics.executables:simulated_base',

@@ -26,8 +26,8 @@ import sys
 
 __all__ = [
     'calibrate', 'command_sequence', 'diff_drive_controller', 'diffdrive_sim',
-    'forward_projection', 'plot_paths', 'robot_description', 'simulated_base', 'wheel_noise',
-    'wheel_odometry']
+    'forward_projection', 'goal_steering', 'plot_paths', 'robot_description', 'simulated_base',
+    'wheel_noise', 'wheel_odometry']
 
 
 def _start(name: str) -> None:
@@ -63,6 +63,11 @@ def diffdrive_sim() -> None:
 def forward_projection() -> None:
     """Run ``forward_projection``."""
     _start('forward_projection')
+
+
+def goal_steering() -> None:
+    """Run ``goal_steering``."""
+    _start('goal_steering')
 
 
 def plot_paths() -> None:

@@ -13,10 +13,11 @@
 # limitations under the License.
 
 """
-Numerical integration for commands that vary within the step.
+Numerical integration for commands that vary within the step, and for states of any size.
 
 Where the twist is constant :func:`diffdrive_kinematics.core.arc.advance` is exact and cheaper;
-these two are for time-varying commands, and to show what a step of a peer costs in accuracy.
+these are for time-varying commands, for models that have no arcs, and to show what a step of a
+peer costs in accuracy.
 """
 
 import math
@@ -26,8 +27,10 @@ from diffdrive_kinematics.core.arc import Pose, Scalar
 from diffdrive_kinematics.core.checks import check_finite
 import numpy as np
 
-__all__ = ['integrate_euler', 'integrate_runge_kutta', 'pose_rate']
+__all__ = ['euler', 'integrate_euler', 'integrate_runge_kutta', 'pose_rate', 'runge_kutta']
 
+State = Tuple[Scalar, ...]
+RateOfState = Callable[[State, float], State]
 TwistOfTime = Callable[[float], Tuple[float, float]]
 
 
@@ -61,6 +64,105 @@ def pose_rate(pose: Pose, v: Scalar, w: Scalar) -> Pose:
     if isinstance(pose.theta, np.ndarray):
         return Pose(v * np.cos(pose.theta), v * np.sin(pose.theta), w)
     return Pose(v * math.cos(pose.theta), v * math.sin(pose.theta), w)
+
+
+def euler(
+        state: State, rate: RateOfState, *, start: float, duration: float, steps: int) -> State:
+    """
+    Return the state after a time, by Euler's method.
+
+    ``x' = x + h f(x, t_k)``, sampled at the start of each step (LaValle, Mobile Robotics,
+    eq. 2.17).  The error falls with the first power of the step h.
+
+    Parameters
+    ----------
+    state : tuple of float or numpy.ndarray
+        Where the motion begins.
+    rate : callable
+        ``rate(state, t)``: how fast each part of the state changes at a time [s].
+    start : float
+        Time at which the motion begins [s].
+    duration : float
+        How long it lasts [s].
+    steps : int
+        Number of steps, h = duration / steps.
+
+    Returns
+    -------
+    tuple of float or numpy.ndarray
+        Where the motion ends.
+
+    Raises
+    ------
+    ValueError
+        If ``steps`` is not positive or a time is not finite.
+
+    Examples
+    --------
+    Growth by itself, to e = 2.71828:
+
+    >>> x, = euler((1.0,), lambda x, t: x, start=0.0, duration=1.0, steps=10)
+    >>> f'{x:.5f}'
+    '2.59374'
+
+    """
+    step = _check_step(start, duration, steps)
+    for k in range(steps):
+        state = _moved(state, rate(state, start + k * step), step)
+    return state
+
+
+def runge_kutta(
+        state: State, rate: RateOfState, *, start: float, duration: float, steps: int) -> State:
+    """
+    Return the state after a time, by the 4th-order method of Runge and Kutta.
+
+    ``x' = x + h/6 (w1 + 2 w2 + 2 w3 + w4)`` (LaValle, Mobile Robotics, eq. 2.20).  The error
+    falls with the fourth power of the step h, for rates that are smooth within each step.
+
+    Parameters
+    ----------
+    state : tuple of float or numpy.ndarray
+        Where the motion begins.
+    rate : callable
+        ``rate(state, t)``: how fast each part of the state changes at a time [s].
+    start : float
+        Time at which the motion begins [s].
+    duration : float
+        How long it lasts [s].
+    steps : int
+        Number of steps, h = duration / steps.
+
+    Returns
+    -------
+    tuple of float or numpy.ndarray
+        Where the motion ends.
+
+    Raises
+    ------
+    ValueError
+        If ``steps`` is not positive or a time is not finite.
+
+    Examples
+    --------
+    Growth by itself, to e = 2.71828:
+
+    >>> x, = runge_kutta((1.0,), lambda x, t: x, start=0.0, duration=1.0, steps=10)
+    >>> f'{x:.5f}'
+    '2.71828'
+
+    """
+    step = _check_step(start, duration, steps)
+    for k in range(steps):
+        time = start + k * step
+        middle = time + 0.5 * step
+        w1 = rate(state, time)
+        w2 = rate(_moved(state, w1, 0.5 * step), middle)
+        w3 = rate(_moved(state, w2, 0.5 * step), middle)
+        w4 = rate(_moved(state, w3, step), time + step)
+        mean = tuple((a + 2.0 * b + 2.0 * c + d) / 6.0 for a, b, c, d in zip(w1, w2, w3, w4))
+        state = _moved(state, mean, step)
+    return state
 
 
 def integrate_euler(
@@ -104,10 +206,8 @@ def integrate_euler(
     '0.8638'
 
     """
-    step = _check_step(start, duration, steps)
-    for k in range(steps):
-        pose = _moved(pose, pose_rate(pose, *twist(start + k * step)), step)
-    return pose
+    return Pose(*euler(
+        pose, _rate_under(twist), start=start, duration=duration, steps=steps))
 
 
 def integrate_runge_kutta(
@@ -151,23 +251,16 @@ def integrate_runge_kutta(
     '0.8415'
 
     """
-    step = _check_step(start, duration, steps)
-    for k in range(steps):
-        time = start + k * step
-        middle = twist(time + 0.5 * step)
-        w1 = pose_rate(pose, *twist(time))
-        w2 = pose_rate(_moved(pose, w1, 0.5 * step), *middle)
-        w3 = pose_rate(_moved(pose, w2, 0.5 * step), *middle)
-        w4 = pose_rate(_moved(pose, w3, step), *twist(time + step))
-        mean = Pose(*(
-            (a + 2.0 * b + 2.0 * c + d) / 6.0 for a, b, c, d in zip(w1, w2, w3, w4)))
-        pose = _moved(pose, mean, step)
-    return pose
+    return Pose(*runge_kutta(
+        pose, _rate_under(twist), start=start, duration=duration, steps=steps))
 
 
-def _moved(pose: Pose, rate: Pose, step: float) -> Pose:
-    return Pose(
-        pose.x + step * rate.x, pose.y + step * rate.y, pose.theta + step * rate.theta)
+def _rate_under(twist: TwistOfTime) -> RateOfState:
+    return lambda pose, time: pose_rate(Pose(*pose), *twist(time))
+
+
+def _moved(state: State, rate: State, step: float) -> State:
+    return tuple(value + step * change for value, change in zip(state, rate))
 
 
 def _check_step(start: float, duration: float, steps: int) -> float:

@@ -39,7 +39,8 @@ CLASSES = {  # imported where they are composed: a robot of two nodes starts wit
     'diff_drive_controller': 'DiffDriveController', 'wheel_noise': 'WheelNoise',
     'simulated_base': 'SimulatedBase', 'wheel_odometry': 'WheelOdometry',
     'command_sequence': 'CommandSequence',
-    'forward_projection': 'ForwardProjection', 'robot_description': 'RobotDescription'}
+    'forward_projection': 'ForwardProjection', 'goal_steering': 'GoalSteering',
+    'robot_description': 'RobotDescription'}
 BASES = 'simulated_base', 'wheel_odometry'
 DISTURBED = 1  # exit status
 FAREWELL_S = 0.5
@@ -112,6 +113,8 @@ class DiffDriveSim(DiffDriveNode[Config]):
                 self, self.members, step_ns=self.config.clock_step_ns,
                 real_time_factor=self.config.real_time_factor, **shared)
         self._sequences: 'List[CommandSequence]' = self._of('command_sequence')
+        self._courses: List[DiffDriveNode] = [*self._sequences, *(
+            node for node in self._of('goal_steering') if node.config.goals)]
         self._shown = -1
         self._rest_by_ns = 0
 
@@ -134,7 +137,7 @@ class DiffDriveSim(DiffDriveNode[Config]):
 
     def finished(self) -> bool:
         """Return whether there was a course, and it is done."""
-        return bool(self._sequences) and all(node.done for node in self._sequences)
+        return bool(self._courses) and all(node.done for node in self._courses)
 
     def robots(self) -> List[Robot]:
         """Return the bases; one that is fed with noise, beside one that is not, is the truth."""
@@ -151,13 +154,13 @@ class DiffDriveSim(DiffDriveNode[Config]):
 
     def _finished(self) -> bool:
         """Show progress, and return whether the course is done and the robot at rest."""
-        if not self._sequences:
+        if not self._courses:
             return False
-        course = max(self._sequences, key=lambda node: node.length_s)
-        self._show_progress(course)
+        if self._sequences:
+            self._show_progress(max(self._sequences, key=lambda node: node.length_s))
         if not self.finished():
             return False
-        now_ns = course.now_ns()
+        now_ns = self._courses[0].now_ns()
         self._rest_by_ns = self._rest_by_ns or now_ns + REST_TIMEOUT_NS
         return now_ns > self._rest_by_ns or all(
             base.reading().rates == (0.0, 0.0) for base in self._of(*BASES))
@@ -170,7 +173,7 @@ class DiffDriveSim(DiffDriveNode[Config]):
 
     def _announce(self) -> None:
         """Say how to drive where nothing in this process does."""
-        if self._sequences:
+        if self._courses:
             return
         for node in self._of('diff_drive_controller'):
             self.get_logger().info(

@@ -14,7 +14,7 @@
 
 """The picture of a course under slip: sample paths, covariance ellipses, what can be reached."""
 
-from typing import Any, List, NamedTuple, Tuple
+from typing import Any, List, NamedTuple, Sequence, Tuple
 
 from diffdrive_kinematics.core.arc import Pose
 from diffdrive_kinematics.core.covariance import PoseCovariance
@@ -37,8 +37,9 @@ class Picture(NamedTuple):
     """
     What is to be seen, in metres.
 
-    ``paths`` and ``mean`` have arrays of shape (k + 1, n) and (k + 1,); ``beliefs`` are means
-    with covariances, ``boundaries`` the outlines of what can be reached; both after each command.
+    ``paths`` (n may be 0) and ``mean`` have arrays of shape (k + 1, n) and (k + 1,); ``beliefs``
+    are means with covariances, ``boundaries`` the outlines of what can be reached; both after
+    each command.
     """
 
     paths: Pose
@@ -56,9 +57,9 @@ def ellipse(mean: Pose, covariance: PoseCovariance) -> Outline:
     return mean.x + points[0], mean.y + points[1]
 
 
-def draw(picture: Picture, file: str) -> None:
+def draw(pictures: Sequence[Picture], file: str) -> None:
     """
-    Draw a picture into a .png or .svg file.
+    Draw pictures of one course side by side into a .png or .svg file.
 
     Raises
     ------
@@ -67,15 +68,16 @@ def draw(picture: Picture, file: str) -> None:
 
     """
     from matplotlib.figure import Figure
-    figure = Figure(figsize=_size(picture), layout='constrained')
-    axes = figure.add_subplot()
-    _draw_into(axes, picture)
-    axes.set_aspect('equal', adjustable='datalim')
-    axes.set_xlabel('x [m]')
-    axes.set_ylabel('y [m]')
-    axes.set_title(picture.title, fontsize='medium')
-    axes.grid(alpha=0.25)
-    figure.legend(*axes.get_legend_handles_labels(), loc='outside lower center', ncols=2,
+    figure = Figure(figsize=_size(pictures), layout='constrained')
+    shared = figure.subplots(1, len(pictures), sharex=True, sharey=True, squeeze=False)[0]
+    for axes, picture in zip(shared, pictures):
+        _draw_into(axes, picture)
+        axes.set_aspect('equal', adjustable='datalim' if len(pictures) == 1 else 'box')
+        axes.set_xlabel('x [m]')
+        axes.set_title(picture.title, fontsize='medium')
+        axes.grid(alpha=0.25)
+    shared[0].set_ylabel('y [m]')
+    figure.legend(*shared[0].get_legend_handles_labels(), loc='outside lower center', ncols=2,
                   fontsize='small', frameon=False)
     figure.savefig(file, dpi=150)
 
@@ -83,11 +85,14 @@ def draw(picture: Picture, file: str) -> None:
 def _draw_into(axes: Any, picture: Picture) -> None:
     paths, mean = picture.paths, picture.mean
     count = paths.x.shape[1]
-    alpha = min(0.6, max(0.05, 25.0 / count))
-    axes.plot(paths.x[:, 0], paths.y[:, 0], color=PATHS, lw=0.6, label=f'{count} sample paths')
-    axes.plot(paths.x[:, 1:], paths.y[:, 1:], color=PATHS, lw=0.6, alpha=alpha)
-    axes.scatter(paths.x[-1], paths.y[-1], color=PATHS, s=5, zorder=3, label='their ends')
-    axes.plot(mean.x, mean.y, color=MEAN, lw=1.4, zorder=4, label='mean path')
+    if count:
+        alpha = min(0.6, max(0.05, 25.0 / count))
+        axes.plot(paths.x[:, 0], paths.y[:, 0], color=PATHS, lw=0.6,
+                  label=f'{count} sample paths')
+        axes.plot(paths.x[:, 1:], paths.y[:, 1:], color=PATHS, lw=0.6, alpha=alpha)
+        axes.scatter(paths.x[-1], paths.y[-1], color=PATHS, s=5, zorder=3, label='their ends')
+    axes.plot(mean.x, mean.y, color=MEAN, lw=1.4, zorder=4,
+              label='mean path' if count else 'path')
     axes.plot(mean.x[0], mean.y[0], 'o', color=MEAN, ms=5, zorder=4, label='start')
     for number, belief in enumerate(picture.beliefs):
         axes.plot(*ellipse(*belief), color=ELLIPSE, lw=1.3, zorder=5,
@@ -95,14 +100,18 @@ def _draw_into(axes: Any, picture: Picture) -> None:
     for number, (x, y) in enumerate(picture.boundaries):
         axes.fill(x, y, facecolor=REACH, alpha=0.08, zorder=1)
         axes.plot(np.append(x, x[0]), np.append(y, y[0]), color=REACH, lw=1.0, ls='--', zorder=2,
-                  label=None if number else 'reachable after each command (bounded slip)')
+                  label=None if number else 'reachable after each command (bounded errors)')
 
 
-def _size(picture: Picture) -> Tuple[float, float]:
+def _size(pictures: Sequence[Picture]) -> Tuple[float, float]:
     """Return the size [inch] that suits the course, with room for the legend."""
-    outlines = [(picture.paths.x, picture.paths.y), *picture.boundaries]
+    outlines = [outline for picture in pictures for outline in (
+        (picture.mean.x, picture.mean.y), *picture.boundaries,
+        *([picture.paths[:2]] if picture.paths.x.size else []))]
     width, height = (
         max(np.max(column) for column in columns) - min(np.min(column) for column in columns)
         for columns in zip(*outlines))
-    scale = LONG_SIDE / max(width, height, 1e-9)
-    return max(SHORT_SIDE, scale * width), max(SHORT_SIDE, scale * height) + 1.0
+    count = len(pictures)
+    scale = LONG_SIDE / max(count * width, height, 1e-9)
+    return (max(SHORT_SIDE, scale * width * count),
+            max(SHORT_SIDE if count == 1 else 0.5 * SHORT_SIDE, scale * height) + 1.0)

@@ -17,7 +17,7 @@
 from dataclasses import dataclass
 import math
 import sys
-from typing import Any, List, Mapping, Tuple
+from typing import Any, List, Mapping, Tuple, Union
 
 from diffdrive_kinematics.core.arc import Pose
 from diffdrive_kinematics.core.covariance import (
@@ -30,6 +30,7 @@ from diffdrive_kinematics.core.reachable import reachable_set_from_slip
 from diffdrive_kinematics.core.sequence import Command
 from diffdrive_kinematics.nodes.drawing import draw, Picture
 from diffdrive_kinematics.nodes.from_values import commands_from, wheel_slips
+from diffdrive_kinematics.nodes.model_paths import model_config, model_pictures, ModelConfig
 from diffdrive_kinematics.nodes.node import DiffDriveNode
 from diffdrive_kinematics.nodes.output import exit_status, report
 from diffdrive_kinematics.nodes.parameters import ConfigurationError
@@ -54,11 +55,15 @@ class Config:
     values: Mapping[str, Any]
 
 
-def build(values: Mapping[str, Any]) -> Config:
+def build(values: Mapping[str, Any]) -> Union[Config, ModelConfig]:
     """Return the configuration of parameter values, or raise ``ValueError``."""
     commands = commands_from(values['commands'])
     if not commands:
         raise ValueError('commands is empty, expected at least one (v, omega, duration)')
+    if values['model']:
+        return model_config(values, commands)
+    if math.isnan(values['wheel_separation']):
+        raise ValueError('wheel_separation is not set, expected the distance between the wheels')
     each = values['steps']
     steps = tuple(
         Command(u.v, u.w, u.duration / each) for u in commands for _ in range(each))
@@ -66,6 +71,12 @@ def build(values: Mapping[str, Any]) -> Config:
         values['wheel_separation'], 1.0,
         wheel_separation_multiplier=values['wheel_separation_multiplier'])
     return Config(steps, each, geometry, wheel_slips(values), values)
+
+
+def _pictures(config: Union[Config, ModelConfig]) -> List[Picture]:
+    if isinstance(config, ModelConfig):
+        return model_pictures(config)
+    return [picture_of(config)]
 
 
 def picture_of(config: Config) -> Picture:
@@ -128,7 +139,7 @@ def _title(config: Config) -> str:
         rf'$\sqrt{{k}}$ = {roots} $\mathrm{{mm}}/\sqrt{{\mathrm{{m}}}}$')
 
 
-class PlotPaths(DiffDriveNode[Config]):
+class PlotPaths(DiffDriveNode[Union[Config, ModelConfig]]):
     """Has the parameters; there is nothing to hear and nothing to say."""
 
     def __init__(self, name: str = 'plot_paths', **composition: Any) -> None:
@@ -138,9 +149,9 @@ class PlotPaths(DiffDriveNode[Config]):
 def work(_: Stop) -> int:
     """Draw the picture; return the exit status."""
     node = PlotPaths()
-    file = node.config.values['output']
+    file = node.parameters.values['output']
     try:
-        draw(picture_of(node.config), file)
+        draw(_pictures(node.config), file)
     except ImportError as error:
         raise ConfigurationError(f'{MISSING} ({error})') from error
     except OSError as error:

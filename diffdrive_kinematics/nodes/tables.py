@@ -37,9 +37,13 @@ from diffdrive_kinematics.nodes.entries import (
 
 __all__ = [
     'CALIBRATE', 'COMMAND_SEQUENCE', 'DIFFDRIVE_SIM', 'DIFF_DRIVE_CONTROLLER',
-    'FORWARD_PROJECTION', 'KNOWN_NAMES', 'LIMITS', 'PLOT_PATHS', 'ROBOT_DESCRIPTION',
-    'SIMULATED_BASE', 'SWITCHES', 'TABLES', 'WHEEL_NOISE', 'WHEEL_ODOMETRY',
-    'only_in_ros2_controllers']
+    'FORWARD_PROJECTION', 'GOAL_STEERING', 'KNOWN_NAMES', 'LIMITS', 'MODELS', 'PLOT_PATHS',
+    'ROBOT_DESCRIPTION', 'SIMULATED_BASE', 'SWITCHES', 'TABLES', 'WHEEL_NOISE',
+    'WHEEL_ODOMETRY', 'only_in_ros2_controllers']
+
+MODELS = (
+    'unicycle', 'differential_drive', 'tricycle', 'bicycle', 'car', 'front_drive_tricycle',
+    'rear_wheels_tricycle', 'ackermann_car')
 
 _DIAGNOSTICS = Entry(
     'diagnostics_rate', 1.0, 'rate [Hz] of the status on /diagnostics; 0: off',
@@ -287,16 +291,75 @@ FORWARD_PROJECTION = (
           Kind.INTEGER, check_seed),
     *_SLIP, _DISTRIBUTION, _DIAGNOSTICS, _EXECUTOR)
 
+GOAL_STEERING = (
+    topic('odom_topic', 'odom', 'odometry in: where the robot is'),
+    topic('goal_topic', 'goal_pose', 'goals in, PoseStamped in the frame of the odometry; empty: '
+          'off', optional=True),
+    topic('plan_topic', 'path', 'paths in, Path in the frame of the odometry; empty: off',
+          optional=True),
+    topic('cmd_vel_topic', 'cmd_vel', 'velocity commands out'),
+    Entry('enable_stamped_cmd_vel', False, 'publish TwistStamped instead of Twist', Kind.BOOL,
+          read_only=True),
+    string('base_frame_id', 'base_link', 'frame of stamped commands', check_named),
+    Entry('goals', [], 'x [m], y [m], yaw [rad] of goals to drive to from the start, one after '
+          'another in one flat list, in the frame of the odometry; the node ends after them',
+          Kind.DOUBLES, read_only=True),
+    string('law', 'pose', 'that drives to goals: heading (look at it and go), point (a point '
+           'ahead of the axle goes straight there, backward too) or pose (on a curve, to the yaw '
+           'of the goal)', check_one_of('heading', 'point', 'pose')),
+    Entry('max_speed', 0.2, 'bound of the speed [m/s]', check=check_positive),
+    Entry('max_yaw_rate', 1.0, 'bound of the yaw rate [rad/s]', check=check_positive),
+    Entry('distance_tolerance', 0.02, 'distance [m] to the goal that is near enough',
+          check=check_positive),
+    Entry('yaw_tolerance', 0.05, 'yaw [rad] off the goal that is near enough, of law pose',
+          check=check_positive),
+    Entry('distance_gain', 0.8, 'of the speed over the way that is left [1/s]: the robot slows '
+          'down below max_speed / distance_gain', check=check_rate),
+    Entry('heading_gain', 2.4, 'of the yaw rate over the error of the heading [1/s]',
+          check=check_rate),
+    Entry('yaw_weight', 2.0, 'h of law pose: how much the yaw of the goal counts on the way',
+          check=check_positive),
+    Entry('point_offset', 0.1, 'b [m] of law point: how far the point is ahead of the axle',
+          check=check_positive),
+    Entry('lookahead', 0.3, 'of paths: how far ahead [m] along them the robot aims',
+          check=check_positive),
+    Entry('odom_timeout', 0.5, 'silence of odometry [s] after which the robot is told to stand',
+          check=check_positive),
+    Entry('patience', 10.0, 'time [s] without coming nearer after which a goal is given up',
+          check=check_positive),
+    Entry('publish_rate', 20.0, 'rate [Hz] of the commands', check=check_rate),
+    _DIAGNOSTICS, _EXECUTOR)
+
 PLOT_PATHS = (
-    *_SEPARATION,
+    replace(_SEPARATION[0], check=check_positive_or_nan, required=False,
+            description='distance L between left and right wheels [m], above 0; of slip, and of '
+            'models that have two wheels on an axle'),
+    _SEPARATION[1],
+    string('model', '', 'of the robot, a name of core/models; empty: the differential drive with '
+           'slip', check_one_of('', *MODELS)),
     Entry('commands', [], 'v [m/s], omega [rad/s], duration [s] of each command, one after '
-          'another in one flat list', Kind.DOUBLES, read_only=True),
-    Entry('steps', 5, 'into how many steps of equal length each command is cut, each with slip of '
-          'its own', Kind.INTEGER, check_stages, read_only=True),
+          'another in one flat list; of a model its own two commands, then the duration',
+          Kind.DOUBLES, read_only=True),
+    Entry('steps', 5, 'into how many steps of equal length each command is cut, each with slip, '
+          'or errors of the commands, of its own', Kind.INTEGER, check_stages, read_only=True),
+    Entry('command_bounds', [], 'of a model: bounds of the errors of its two commands, in one '
+          'flat list; a picture for each pair, side by side; none: without errors', Kind.DOUBLES,
+          read_only=True),
+    Entry('max_steering_rates', [], 'of a model: bounds [rad/s] of the rate of the steering '
+          'angle, a picture for each, side by side; 0 or none: it jumps', Kind.DOUBLES,
+          read_only=True),
+    Entry('max_steering_angle', 1.2, 'of a model: bound [rad] of the steering angle',
+          check=check_positive, read_only=True),
+    Entry('wheel_base', math.nan, 'of a model: distance l [m] from the rear axle to the front '
+          'one', check=check_positive_or_nan, read_only=True),
+    Entry('wheel_radius', math.nan, 'of model differential_drive: radius R [m]',
+          check=check_positive_or_nan, read_only=True),
     Entry('paths', 100, 'number of sample paths', Kind.INTEGER, check_count, read_only=True),
     *_START,
     Entry('seed', 0, 'of the paths, 0 or above', Kind.INTEGER, check_seed, read_only=True),
-    *_BIAS, *_SLIP, _DISTRIBUTION,
+    *_BIAS, *_SLIP,
+    replace(_DISTRIBUTION, description=_DISTRIBUTION.description + '; that of the errors of '
+            'commands has to be bounded: gaussian stands for uniform there'),
     string('output', 'paths.png', 'file to write, .png or .svg', check_picture))
 
 CALIBRATE = (
@@ -359,8 +422,8 @@ DIFFDRIVE_SIM = (
 TABLES = {
     'diff_drive_controller': DIFF_DRIVE_CONTROLLER, 'wheel_noise': WHEEL_NOISE,
     'simulated_base': SIMULATED_BASE, 'wheel_odometry': WHEEL_ODOMETRY,
-    'command_sequence': COMMAND_SEQUENCE,
-    'forward_projection': FORWARD_PROJECTION, 'plot_paths': PLOT_PATHS, 'calibrate': CALIBRATE,
+    'command_sequence': COMMAND_SEQUENCE, 'forward_projection': FORWARD_PROJECTION,
+    'goal_steering': GOAL_STEERING, 'plot_paths': PLOT_PATHS, 'calibrate': CALIBRATE,
     'robot_description': ROBOT_DESCRIPTION, 'diffdrive_sim': DIFFDRIVE_SIM}
 KNOWN_NAMES = frozenset(entry.name for table in TABLES.values() for entry in table)
 

@@ -27,8 +27,8 @@ import setuptools
 ROOT = Path(__file__).resolve().parents[2]
 PACKAGE = ROOT / 'diffdrive_kinematics'
 EXECUTABLES = {'calibrate', 'command_sequence', 'diff_drive_controller', 'diffdrive_sim',
-               'forward_projection', 'plot_paths', 'robot_description', 'simulated_base',
-               'wheel_noise', 'wheel_odometry'}
+               'forward_projection', 'goal_steering', 'plot_paths', 'robot_description',
+               'simulated_base', 'wheel_noise', 'wheel_odometry'}
 ROSDEP_KEY = {'numpy': 'python3-numpy', 'yaml': 'python3-yaml'}
 OPTIONAL = {'matplotlib'}  # an extra of setup.py
 
@@ -103,7 +103,8 @@ def test_every_configuration_is_installed(declared):
     files = {str(path.relative_to(ROOT)) for path in (ROOT / 'config').rglob('*')
              if path.is_file()}
     installed = dict(declared['data_files'])
-    assert set(installed[f'share/{PACKAGE.name}/config']) == files
+    assert {name for directory, names in installed.items() for name in names
+            if directory == f'share/{PACKAGE.name}/{Path(name).parent}'} == files
 
 
 def test_the_ament_index_knows_the_package(declared):

@@ -23,7 +23,7 @@ from builtin_interfaces.msg import Time
 from diffdrive_kinematics.core.arc import advance, Pose
 from diffdrive_kinematics.nodes import (
     calibrate, command_sequence, diff_drive_controller, diffdrive_sim, forward_projection,
-    simulated_base, wheel_noise)
+    goal_steering, simulated_base, wheel_noise)
 from diffdrive_kinematics.nodes.calibration_sources import Collection
 from diffdrive_kinematics.nodes.parameters import ConfigurationError, ParameterSet
 from diffdrive_kinematics.nodes.tables import Kind, TABLES
@@ -51,7 +51,8 @@ NODES = {
 BUILDERS = {
     'diff_drive_controller': diff_drive_controller.build, 'wheel_noise': wheel_noise.build,
     'simulated_base': simulated_base.build, 'command_sequence': command_sequence.build,
-    'forward_projection': forward_projection.build, 'diffdrive_sim': diffdrive_sim.build}
+    'forward_projection': forward_projection.build, 'goal_steering': goal_steering.build,
+    'diffdrive_sim': diffdrive_sim.build}
 
 
 def fuzz(examples):

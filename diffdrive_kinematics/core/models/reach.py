@@ -1,0 +1,264 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""
+What a rolling robot can reach under bounded disturbances (LaValle 2.34, 2.35, figure 2.23).
+
+As for the differential drive (:mod:`diffdrive_kinematics.core.reachable`) the set is computed
+from the last step to the first, in the frame of the robot at the start of the step: ::
+
+    R_i = union over w in W(u_i) of  c(u_i + w) + rotation(turn(u_i + w)) R_(i+1),  R_(k+1) = {0}
+
+For one turn that is the sum of a polygon and a line, from the least to the largest distance that
+goes with the turn.  Over the turns its edges sweep a mesh of triangles; the outer boundary of the
+mesh runs along edges all of whose triangles lie on one side.  What chords cut off is added as a
+margin in every step: the polygon is an outer one.  Holes are filled.
+"""
+
+import math
+from typing import NamedTuple, Sequence, Tuple
+
+from diffdrive_kinematics.core.arc import sinc
+from diffdrive_kinematics.core.models.disturbance import Disturbance, Step
+from diffdrive_kinematics.core.models.system import ControlSystem, Rolling, Vector
+from diffdrive_kinematics.core.outline import area, outer_boundary, perimeter, simplified
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ['reachable_boundary']
+
+Array = NDArray[np.float64]
+Points = NDArray[np.complex128]
+Indices = NDArray[np.int64]
+
+LINES = 33
+"""Lines either way through the box of a step's commands."""
+
+FEWEST_SLICES, MOST_SLICES = 4, 16
+"""Turns to look at, for each edge of the box."""
+
+SHARE = 0.004
+"""Of the area over the perimeter: the margins of all steps together."""
+
+LEAST, THINNEST = 1e-8, 5e-4
+"""Least margin [m] of a set, and over its length: a curve has to have an inside."""
+
+FLAT = 1e-8
+"""Over the length of a mesh: a triangle that is not higher lies on neither side of its edge."""
+
+CORNERS = np.exp(0.25j * np.pi * np.arange(8)) / math.cos(0.125 * np.pi)
+"""Of an octagon around the unit circle."""
+
+
+class _Motions(NamedTuple):
+    """
+    Lines through the (distance [m], turn [rad]) of a step, end by end, and what they miss.
+
+    ``edges`` are the turns along the four edges of the box, shape (4, LINES).
+    """
+
+    distance: Array
+    turn: Array
+    edges: Array
+    missed_distance: float
+    missed_turn: float
+
+
+def reachable_boundary(
+        system: ControlSystem, start: Vector, steps: Sequence[Step], disturbance: Disturbance
+) -> Tuple[Array, Array]:
+    """
+    Return the boundary of the many-step forward projection of a bounded disturbance (2.35).
+
+    Parameters
+    ----------
+    system : Rolling
+        Robot with two commands that moves along arcs.
+    start : tuple of float
+        Pose: x [m], y [m] and theta [rad].
+    steps : sequence of (command, duration)
+        Commands, and for how long [s] each is held; at least one.
+    disturbance : Disturbance
+        Of a bounded distribution.
+
+    Returns
+    -------
+    x : numpy.ndarray
+        Of the vertices [m], shape (v,), counter-clockwise, not closed.
+    y : numpy.ndarray
+        Of the vertices [m], shape (v,).
+
+    Raises
+    ------
+    ValueError
+        If there are no steps, the system has no arcs, or the disturbance no bounds.
+
+    Examples
+    --------
+    >>> from diffdrive_kinematics.core.models import bounded, unicycle
+    >>> x, y = reachable_boundary(
+    ...     unicycle(), (0.0, 0.0, 0.0), [((1.0, 0.0), 1.0)], bounded([0.1, 0.2]))
+    >>> round(float(x.max()), 2), round(float(y.max()), 2)
+    (1.1, 0.11)
+
+    """
+    if not steps:
+        raise ValueError('steps is empty, expected at least one (command, duration)')
+    if not isinstance(system, Rolling) or len(system.commands) != 2:
+        raise ValueError(
+            f'the system has states {[each.name for each in system.states]} and commands '
+            f'{[each.name for each in system.commands]}, expected two commands that decide the '
+            'twist')
+    polygon, margin = np.zeros(1, np.complex128), 0.0
+    for command, duration in reversed(steps):
+        motions = _motions(system, start, command, duration, disturbance)
+        polygon, margin = _before(polygon, margin, motions, SHARE / (len(steps) + 1))
+    x, y, theta = map(float, start)
+    placed = complex(x, y) + np.exp(1j * theta) * _widened(polygon, margin + LEAST)
+    return placed.real.copy(), placed.imag.copy()
+
+
+def _motions(
+        system: Rolling, start: Vector, command: Vector, duration: float,
+        disturbance: Disturbance) -> _Motions:
+    """Return the motions of the box of commands that is left of u + W(u) by the bounds U."""
+    half = disturbance.bounds(command)
+    if not all(map(math.isfinite, half)):
+        raise ValueError(
+            f'distribution is {disturbance.distribution!r}, expected a bounded one')
+    first, second = (
+        np.linspace(np.clip(u - w, *bound), np.clip(u + w, *bound), 2 * LINES - 1)
+        for u, w, bound in zip(command, half, system.bounds(start)))
+    v, w = system.twist((first[:, None], second[None, :]))
+    d, t = (duration * np.broadcast_to(value, (len(first), len(second))) for value in (v, w))
+    missed = []
+    for grid in (d, t):
+        chords = [0.5 * (lines[:-2:2] + lines[2::2]) - lines[1::2] for lines in (
+            grid[:, ::2], grid[::2].T)]
+        missed.append(max(float(np.abs(each).max()) for each in chords))
+    d, t = d[::2, ::2], t[::2, ::2]
+    ends = [np.stack([np.concatenate([grid[:-1].ravel(), grid[:, :-1].ravel()]),
+                      np.concatenate([grid[1:].ravel(), grid[:, 1:].ravel()])]) for grid in (d, t)]
+    edges = np.stack([t[0], t[-1], t[:, 0], t[:, -1]])
+    return _Motions(ends[0], ends[1], edges, missed[0], missed[1])
+
+
+def _before(
+        polygon: Points, margin: float, motions: _Motions, share: float) -> Tuple[Points, float]:
+    """Return the set one step earlier, and how far the true one may reach beyond it [m]."""
+    reach = float(np.max(np.abs(polygon))) + margin
+    missed = 2.0 * (motions.missed_distance + motions.missed_turn * (
+        reach + float(np.abs(motions.distance).max())))
+    slices = FEWEST_SLICES
+    while True:
+        turns, low, high, sagitta = _slices(motions, reach, slices)
+        outline = _swept(_widened(polygon, margin + missed + sagitta + LEAST), turns, low, high)
+        tolerance = max(share * area(outline) / perimeter(outline), LEAST,
+                        THINNEST * float(np.max(np.abs(outline - outline[0]))))
+        if sagitta <= tolerance or slices >= MOST_SLICES or len(turns) == 1:
+            break
+        slices *= 2
+    return simplified(outline, max(tolerance, sagitta)), max(tolerance, sagitta)
+
+
+def _slices(motions: _Motions, reach: float, slices: int) -> Tuple[Array, Array, Array, float]:
+    """
+    Return turns [rad], the distances (low, high) [m] that go with each, and the sagitta [m].
+
+    A point of the sum moves by ``d e(t) + rotation(t) p`` with |e'| <= 1/2 and |e''| <= 1/3.
+    """
+    least, most = float(motions.turn.min()), float(motions.turn.max())
+    if most - least <= 1e-12 * max(abs(least), abs(most)):
+        return (np.array([0.5 * (least + most)]), motions.distance.min(keepdims=True)[0, :1],
+                motions.distance.max(keepdims=True)[0, :1], 0.5 * (most - least) * reach)
+    turns = np.unique(motions.edges[:, ::(LINES - 1) // slices])
+    turns = turns[np.append(True, np.diff(turns) > 1e-9 * (most - least))]
+    low, high = _spans(motions, turns)
+    middle_low, middle_high = _spans(motions, 0.5 * (turns[:-1] + turns[1:]))
+    bulge = max(0.0, float(np.max(0.5 * (low[:-1] + low[1:]) - middle_low)),
+                float(np.max(middle_high - 0.5 * (high[:-1] + high[1:]))))
+    step = np.diff(turns)
+    slope = np.maximum(np.abs(np.diff(low)), np.abs(np.diff(high)))
+    far = float(np.abs(motions.distance).max())
+    return turns, low, high, 1.5 * bulge + float(np.max(
+        0.125 * step * (step * (reach + far / 3.0) + slope)))
+
+
+def _spans(motions: _Motions, turns: Array) -> Tuple[Array, Array]:
+    """Return the least and the largest distance [m] on lines that come to each turn."""
+    (d0, d1), (t0, t1) = motions.distance, motions.turn
+    size = float(np.ptp(motions.turn))
+    across = np.where(t1 == t0, 1.0, t1 - t0)
+    place = np.where(t1 == t0, 0.0, (turns[:, None] - t0) / across)
+    meets = np.where(t1 == t0, np.abs(turns[:, None] - t0) <= 1e-9 * size,
+                     (place >= -1e-9) & (place <= 1.0 + 1e-9))
+    at = d0 + np.clip(place, 0.0, 1.0) * (d1 - d0)
+    flat = np.where(t1 == t0, d1, at)
+    return (np.minimum(np.where(meets, at, np.inf), np.where(meets, flat, np.inf)).min(axis=1),
+            np.maximum(np.where(meets, at, -np.inf), np.where(meets, flat, -np.inf)).max(axis=1))
+
+
+def _swept(polygon: Points, turns: Array, low: Array, high: Array) -> Points:
+    """Return the outer boundary of the polygon moved by all (distance, turn) of the slices."""
+    chord: Points = sinc(0.5 * turns) * np.exp(0.5j * turns)
+    moved = np.exp(1j * turns)[:, None] * polygon
+    ends = [low] if np.array_equal(low, high) else [low, high]
+    mesh = np.stack([moved + (end * chord)[:, None] for end in ends])
+    number = np.arange(mesh.size).reshape(mesh.shape)  # which end, which turn, which vertex
+    after = np.roll(number, -1, axis=2)
+    faces = [_halves(number[0], after[0], number[-1], after[-1])]
+    if len(turns) > 1:
+        faces += [_whole(number[:, :-1], after[:, :-1], number[:, 1:], after[:, 1:]),
+                  _whole(number[0, :-1], number[-1, :-1], number[0, 1:], number[-1, 1:])]
+    return _outline(mesh.reshape(-1), np.concatenate(faces))
+
+
+def _widened(polygon: Points, margin: float) -> Points:
+    """Return the polygon with all that is as near to it as the margin."""
+    mesh = polygon[:, None] + margin * CORNERS
+    if len(polygon) == 1:
+        return np.asarray(mesh[0])
+    number = np.arange(mesh.size).reshape(mesh.shape)
+    following, turned = np.roll(number, -1, axis=0), np.roll(number, -1, axis=1)
+    return _outline(mesh.reshape(-1), _halves(
+        number, turned, following, np.roll(turned, -1, axis=0)))
+
+
+def _halves(a: Indices, b: Indices, c: Indices, d: Indices) -> Indices:
+    """Return the triangles of quadrilaterals that are parallelograms: a, b and across c, d."""
+    return np.concatenate([np.stack(each, axis=-1).reshape(-1, 3) for each in (
+        (a, b, d), (a, d, c))])
+
+
+def _whole(a: Indices, b: Indices, c: Indices, d: Indices) -> Indices:
+    """Return triangles that cover all between four points: a surface may be twisted there."""
+    return np.concatenate([_halves(a, b, c, d), _halves(b, a, d, c)])
+
+
+def _outline(points: Points, triangles: Indices) -> Points:
+    """Return the outer boundary of triangles: of edges that have none on one of their sides."""
+    ends = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
+    third = np.concatenate([triangles[:, 2], triangles[:, 0], triangles[:, 1]])
+    ends = np.sort(ends, axis=1)
+    key = ends[:, 0] * len(points) + ends[:, 1]
+    edges, which = np.unique(key, return_inverse=True)
+    begin, end = np.divmod(edges, len(points))
+    along = points[end] - points[begin]
+    height = (np.conj(along[which]) * (points[third] - points[begin[which]])).imag
+    flat = FLAT * float(np.max(np.abs(points - points[0]))) * np.abs(along[which])
+    left, right = np.zeros(len(edges), bool), np.zeros(len(edges), bool)
+    left[which[height > flat]] = True
+    right[which[height < -flat]] = True
+    kept = ~(left & right)
+    return outer_boundary(points, np.stack([begin[kept], end[kept]], axis=1))

@@ -1,0 +1,169 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Where a held command leads: exactly, by Runge-Kutta, or by Euler steps."""
+
+import math
+from typing import Callable
+
+from diffdrive_kinematics.core.arc import advance, Pose
+from diffdrive_kinematics.core.checks import check_finite, check_positive
+from diffdrive_kinematics.core.integration import euler, runge_kutta
+from diffdrive_kinematics.core.models.system import admitted, ControlSystem, Rolling, Vector
+
+__all__ = ['transition', 'transition_euler', 'transition_runge_kutta']
+
+
+def transition(
+        system: ControlSystem, state: Vector, command: Vector, duration: float, *,
+        step: float = 0.01) -> Vector:
+    """
+    Return the state after a command was held for ``duration`` [s] (LaValle 2.10).
+
+    It is exact where the robot moves along arcs (2.4 to 2.6), else by Runge-Kutta steps (2.20).
+
+    Parameters
+    ----------
+    system : ControlSystem
+        What moves.
+    state : tuple of float or numpy.ndarray
+        State x, in the order of ``states``.
+    command : tuple of float or numpy.ndarray
+        Command u, in the order of ``commands``.
+    duration : float
+        For how long [s] the command is held; below 0: where it came from.
+    step : float
+        Longest Runge-Kutta step [s].
+
+    Returns
+    -------
+    tuple of float or numpy.ndarray
+        State x after that time.
+
+    Raises
+    ------
+    ValueError
+        If the duration is not finite, or the step not above 0.
+
+    Examples
+    --------
+    A quarter circle of a tricycle to the left:
+
+    >>> from diffdrive_kinematics.core.models import tricycle
+    >>> x, y, theta = transition(
+    ...     tricycle(wheel_base=1.0), (0.0, 0.0, 0.0), (1.0, math.pi / 4), math.pi / 2)
+    >>> round(x, 9), round(y, 9), round(theta, 9)
+    (1.0, 1.0, 1.570796327)
+
+    """
+    check_finite('duration', duration)
+    if isinstance(system, Rolling):
+        v, w = system.twist(admitted(system, state, command))
+        return advance(Pose(*state), v * duration, w * duration)
+    steps = max(1, math.ceil(abs(duration) / check_positive('step', step) - 1e-9))
+    return transition_runge_kutta(system, state, command, duration, steps=steps)
+
+
+def transition_euler(
+        system: ControlSystem, state: Vector, command: Vector, duration: float, *,
+        steps: int) -> Vector:
+    """
+    Return the state after a held command by ``steps`` Euler steps (LaValle 2.17).
+
+    Parameters
+    ----------
+    system : ControlSystem
+        What moves.
+    state : tuple of float or numpy.ndarray
+        State x, in the order of ``states``.
+    command : tuple of float or numpy.ndarray
+        Command u, in the order of ``commands``.
+    duration : float
+        For how long [s] the command is held; below 0: where it came from.
+    steps : int
+        Number of steps of equal length.
+
+    Returns
+    -------
+    tuple of float or numpy.ndarray
+        State x after that time.
+
+    Raises
+    ------
+    ValueError
+        If the duration is not finite or ``steps`` not positive.
+
+    Examples
+    --------
+    >>> from diffdrive_kinematics.core.models import unicycle
+    >>> x, y, theta = transition_euler(
+    ...     unicycle(), (0.0, 0.0, 0.0), (1.0, math.pi), 1.0, steps=2)
+    >>> round(x, 9), round(y, 9)
+    (0.5, 0.5)
+
+    """
+    return _stepped(euler, system, state, command, duration, steps)
+
+
+def transition_runge_kutta(
+        system: ControlSystem, state: Vector, command: Vector, duration: float, *,
+        steps: int) -> Vector:
+    """
+    Return the state after a held command by ``steps`` Runge-Kutta steps (LaValle 2.20).
+
+    Parameters
+    ----------
+    system : ControlSystem
+        What moves.
+    state : tuple of float or numpy.ndarray
+        State x, in the order of ``states``.
+    command : tuple of float or numpy.ndarray
+        Command u, in the order of ``commands``.
+    duration : float
+        For how long [s] the command is held; below 0: where it came from.
+    steps : int
+        Number of steps of equal length.
+
+    Returns
+    -------
+    tuple of float or numpy.ndarray
+        State x after that time.
+
+    Raises
+    ------
+    ValueError
+        If the duration is not finite or ``steps`` not positive.
+
+    Examples
+    --------
+    >>> from diffdrive_kinematics.core.models import unicycle
+    >>> x, y, theta = transition_runge_kutta(
+    ...     unicycle(), (0.0, 0.0, 0.0), (1.0, math.pi), 1.0, steps=100)
+    >>> abs(y - 2.0 / math.pi) < 1e-8
+    True
+
+    """
+    return _stepped(runge_kutta, system, state, command, duration, steps)
+
+
+def _stepped(
+        method: Callable[..., Vector], system: ControlSystem, state: Vector, command: Vector,
+        duration: float, steps: int) -> Vector:
+    if steps < 1:
+        raise ValueError(f'steps is {steps!r}, expected 1 or more')
+    for _ in range(steps):
+        state = system.within(method(
+            state, lambda at, _: system.rate(at, command), start=0.0, duration=duration / steps,
+            steps=1))
+    return state

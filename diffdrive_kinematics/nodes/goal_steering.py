@@ -1,0 +1,262 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""``goal_steering``: odometry and goals or paths in, velocity commands out."""
+
+from dataclasses import dataclass
+import math
+from typing import Any, List, Mapping, NamedTuple, Optional, Sequence, Union
+
+from diffdrive_kinematics.core.arc import Pose
+from diffdrive_kinematics.core.checks import check_finite
+from diffdrive_kinematics.core.commands import (
+    Approach, HeadingRegulator, Law, PointForward, Points, points_of, PoseController, PurePursuit,
+    Steered, SteeringLimits)
+from diffdrive_kinematics.nodes.diagnostics import (
+    Diagnosis, heard_values, Look, quiet, unheard)
+from diffdrive_kinematics.nodes.messages import nanoseconds, pose_in_plane, TwistMessage
+from diffdrive_kinematics.nodes.node import DiffDriveNode
+from diffdrive_kinematics.nodes.running import main_of
+from diffdrive_kinematics.nodes.tables import GOAL_STEERING
+from geometry_msgs.msg import PoseStamped, Twist, TwistStamped
+from nav_msgs.msg import Odometry, Path
+from rclpy.publisher import Publisher
+
+WAITING_REPORT_PERIOD_S = 5.0
+
+
+@dataclass(frozen=True)
+class Config:
+    """What steers, and how."""
+
+    law: Law
+    pursuit: PurePursuit
+    goals: Sequence[Pose]
+    values: Mapping[str, Any]
+
+
+class Task(NamedTuple):
+    """Where to go, in a frame; an empty one is that of the odometry."""
+
+    target: Union[Pose, Points]
+    frame_id: str
+
+    def __str__(self) -> str:
+        """Return it in words."""
+        if isinstance(self.target, Points):
+            return f'the path of {len(self.target.points)} points'
+        return 'the goal x {:.3f} m, y {:.3f} m, yaw {:.3f} rad'.format(*self.target)
+
+
+class Seen(NamedTuple):
+    """What odometry said last: pose, frame and stamp [ns]."""
+
+    pose: Pose
+    frame_id: str
+    stamp_ns: int
+
+
+def build(values: Mapping[str, Any]) -> Config:
+    """Return the configuration of parameter values, or raise ``ValueError``."""
+    limits = SteeringLimits(*(values[name] for name in (
+        'max_speed', 'max_yaw_rate', 'distance_tolerance', 'yaw_tolerance')))
+    distance_gain, heading_gain = values['distance_gain'], values['heading_gain']
+    law: Law = {
+        'heading': lambda: HeadingRegulator(heading_gain, distance_gain, limits),
+        'point': lambda: PointForward(values['point_offset'], distance_gain, limits),
+        'pose': lambda: PoseController(
+            distance_gain, heading_gain, values['yaw_weight'], limits)}[values['law']]()
+    return Config(law, PurePursuit(values['lookahead'], heading_gain, distance_gain, limits),
+                  _goals(values['goals']), values)
+
+
+def _goals(numbers: Sequence[float]) -> List[Pose]:
+    if len(numbers) % 3:
+        raise ValueError(
+            f'goals has {len(numbers)} numbers, expected three for each goal: x, y, yaw')
+    for number in numbers:
+        check_finite('goals', number)
+    return [Pose(*numbers[i:i + 3]) for i in range(0, len(numbers), 3)]
+
+
+class GoalSteering(DiffDriveNode[Config]):
+    """
+    Drives to goals and along paths, and is silent where there are none.
+
+    A new goal or path takes the place of all before it.  The robot is told to stand while
+    odometry is silent, and drives on when it comes again.
+    """
+
+    def __init__(self, name: str = 'goal_steering', **composition: Any) -> None:
+        super().__init__(name, GOAL_STEERING, build, **composition)
+        values = self.config.values
+        self._tasks = [Task(goal, '') for goal in self.config.goals]
+        self._along = 0.0
+        self._seen: Optional[Seen] = None
+        self._standing = False
+        self._approach = Approach(math.inf, math.inf, 0)
+        stamped = values['enable_stamped_cmd_vel']
+        self._message = TwistMessage(values['base_frame_id'] if stamped else None)
+        self._publisher = self.publisher(
+            TwistStamped if stamped else Twist, values['cmd_vel_topic'])
+        self.subscribe(Odometry, values['odom_topic'], self._on_odometry)
+        if values['goal_topic']:
+            self.subscribe(PoseStamped, values['goal_topic'], self._on_goal, urgent=False)
+        if values['plan_topic']:
+            self.subscribe(Path, values['plan_topic'], self._on_plan, urgent=False)
+        self._timer = self.every(values['publish_rate'], self._tick)
+        self.parameters.on_change(self._configure)
+
+    def _on_odometry(self, message: Odometry) -> None:
+        pose, stamp_ns = pose_in_plane(message.pose.pose), nanoseconds(message.header.stamp)
+        if self._seen and stamp_ns == self._seen.stamp_ns != 0:
+            return  # told twice, it is no younger
+        self._seen = Seen(pose, message.header.frame_id, stamp_ns)
+        self.heard.note(self._synchronised_now(), stamp_ns)
+
+    def _on_goal(self, message: PoseStamped) -> None:
+        self._begin(Task(pose_in_plane(message.pose), self._frame_of(message)))
+
+    def _on_plan(self, message: Path) -> None:
+        frame_id = self._frame_of(message)
+        self._begin(Task(points_of([pose_in_plane(each.pose) for each in message.poses]),
+                         frame_id))
+
+    def _frame_of(self, message: Union[PoseStamped, Path]) -> str:
+        """Return the frame of a goal, or raise ``ValueError`` where it is not the odometry's."""
+        frame_id = message.header.frame_id
+        expected = self._seen.frame_id if self._seen else 'that of the odometry'
+        if not frame_id or (self._seen and frame_id != expected):
+            raise ValueError(f'frame_id is {frame_id!r}, expected {expected!r}')
+        return frame_id
+
+    def _begin(self, task: Task) -> None:
+        self._tasks = [task]
+        self._set_out(self._synchronised_now())
+        self.get_logger().info(f'driving to {task}')
+
+    def _set_out(self, now_ns: int) -> None:
+        """Forget what was of the task before."""
+        self._along, self._approach = 0.0, Approach(math.inf, math.inf, now_ns)
+
+    def _tick(self) -> None:
+        now_ns = self._synchronised_now()
+        if not self._tasks:
+            return
+        if self._is_blind(now_ns):
+            self._approach = self._approach._replace(since_ns=now_ns)  # that time does not count
+            self._send(now_ns, 0.0, 0.0)
+            return
+        task, seen = self._tasks[0], self._seen
+        if task.frame_id not in ('', seen.frame_id):
+            self._end(now_ns, f"gave up {task}: it is in frame '{task.frame_id}', odometry in "
+                              f"'{seen.frame_id}'")
+            return
+        steered = self._steered(task.target, seen.pose)
+        self._approach = self._approach.looked(steered, now_ns)
+        patience = self.config.values['patience']
+        if steered.arrived:
+            self._arrive(now_ns, task, steered)
+        elif now_ns - self._approach.since_ns > patience * 1e9:
+            self._end(now_ns, f'gave up {task}: the robot came no nearer for {patience:g} s, '
+                              f'{steered.distance:.3f} m before it')
+        else:
+            self._send(now_ns, *steered.twist)
+
+    def _steered(self, target: Union[Pose, Points], pose: Pose) -> Steered:
+        if isinstance(target, Pose):
+            return self.config.law.steered(pose, target)
+        steered, self._along = self.config.pursuit.pursued(pose, target, self._along)
+        return steered
+
+    def _is_blind(self, now_ns: int) -> bool:
+        """Say when odometry falls silent and when it comes again; return whether it is silent."""
+        age, timeout = self.heard.age(now_ns), self.config.values['odom_timeout']
+        topic = self.resolve_topic_name(self.config.values['odom_topic'])
+        if age is None:
+            self.get_logger().info(
+                f"waiting for odometry on '{topic}'",
+                throttle_duration_sec=WAITING_REPORT_PERIOD_S, skip_first=True)
+            return True
+        blind = age > timeout
+        if blind and not self._standing:
+            self.counts['odometry timeouts'] += 1
+            self.get_logger().warning(
+                f"no odometry on '{topic}' for {timeout:g} s: the robot is told to stand")
+        elif self._standing and not blind:
+            self.get_logger().info('odometry is back: driving on')
+        self._standing = blind
+        return blind
+
+    def _arrive(self, now_ns: int, task: Task, steered: Steered) -> None:
+        self.counts['arrivals'] += 1
+        turn = f' and {abs(steered.turn):.3f} rad' if steered.turn else ''
+        text = f'arrived at {task}: {1000.0 * steered.distance:.0f} mm{turn} off'
+        if len(self._tasks) == 1:
+            self._end(now_ns, text, arrived=True)
+            return
+        self.get_logger().info(text)
+        del self._tasks[0]
+        self._set_out(now_ns)
+        self._send(now_ns, 0.0, 0.0)
+
+    def _end(self, now_ns: int, text: str, *, arrived: bool = False) -> None:
+        """Let the robot stand, and say why."""
+        self._tasks = []
+        self._send(now_ns, 0.0, 0.0)
+        if arrived:
+            self.get_logger().info(text)
+        else:
+            self.counts['given up'] += 1
+            self.get_logger().error(text)
+        self.done = bool(self.config.goals)
+
+    def _send(self, now_ns: int, v: float, w: float) -> None:
+        self.sent += 1
+        self._publisher.publish(self._message.filled(now_ns, v, w))
+
+    def _synchronised_now(self) -> int:
+        now_ns, step_ns = self.now_and_step()
+        if step_ns:
+            self._approach = self._approach._replace(since_ns=self._approach.since_ns + step_ns)
+        return now_ns
+
+    def diagnosis(self, look: Look) -> Diagnosis:
+        """Return where the robot is going and how odometry comes in."""
+        values = self.config.values
+        topic = self.resolve_topic_name(values['odom_topic'])
+        return Diagnosis({
+            'state': f'driving to {self._tasks[0]}' if self._tasks else 'without a goal',
+            'distance left [m]': self._approach.distance if self._tasks else 0.0,
+            'arrivals': self.counts['arrivals'], 'given up': self.counts['given up'],
+            'odometry timeouts': self.counts['odometry timeouts'],
+            **heard_values(self.heard, look.now_ns, 'odometry')}, [
+                *unheard(self.heard, topic),
+                *quiet(self.heard, look.now_ns, values['odom_timeout'], topic)])
+
+    def last_word(self) -> Sequence[Publisher]:
+        """Leave the robot with the command to stand still, where it was driven."""
+        if not self.sent:
+            return ()
+        self._send(self.now_ns(), 0.0, 0.0)
+        return [self._publisher]
+
+    def _configure(self, config: Config) -> None:
+        self._timer = self.retimed(self._timer, config.values['publish_rate'], self._tick)
+
+
+main = main_of(GoalSteering)
+
+if __name__ == '__main__':
+    main()
