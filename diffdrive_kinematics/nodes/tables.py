@@ -300,7 +300,7 @@ GOAL_STEERING = (
     topic('cmd_vel_topic', 'cmd_vel', 'velocity commands out'),
     Entry('enable_stamped_cmd_vel', False, 'publish TwistStamped instead of Twist', Kind.BOOL,
           read_only=True),
-    string('base_frame_id', 'base_link', 'frame of stamped commands', check_named),
+    string('base_frame_id', 'base_link', 'frame of stamped commands', check_frame),
     Entry('goals', [], 'x [m], y [m], yaw [rad] of goals to drive to from the start, one after '
           'another in one flat list, in the frame of the odometry; the node ends after them',
           Kind.DOUBLES, read_only=True),
