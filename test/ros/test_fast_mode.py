@@ -22,6 +22,7 @@ from nav_msgs.msg import Odometry
 from std_msgs.msg import Empty
 
 REPEATS = 10
+PACE = 20.0  # times real time: so that the observer can follow on a loaded machine, too
 
 
 def bits_of(message):
@@ -32,14 +33,14 @@ def bits_of(message):
         pose.orientation.w, twist.linear.x, twist.linear.y, twist.angular.z)
 
 
-def drive(graph):
+def drive(graph, pace):
     """Drive the demo's course; return (belief, truth) by time since its start, and the report."""
     go = graph.publisher(Empty, 'go', listeners=0)
     collected = {}
     for topic in ('odom', 'ground_truth'):
         collected[topic] = graph.collect(Odometry, topic)
     topics = "command_sequence:wait_for_topics:=['odom', 'ground_truth', 'go']"
-    sim = graph.start('diffdrive_sim', {'real_time_factor': 0.0}, '-p', topics)
+    sim = graph.start('diffdrive_sim', {'real_time_factor': pace}, '-p', topics)
     graph.wait_for(lambda: collected['odom'] and collected['ground_truth'], 'odometry')
     graph.play_out(sim, go)
     start = int(re.search(r'of commands from (\d+) ns on', sim.output)[1])
@@ -54,12 +55,14 @@ def drive(graph):
 
 def test_the_demos_course_gives_bitwise_the_same_odometry_and_truth_every_time(graph):
     """Compare whatever another process hears: a run waits for nobody, so it may miss some."""
-    first, report = drive(graph)
+    _, report = drive(graph, 0.0)
     print(re.search(r'\d+ times real time', report)[0])
-    table = report[report.index('x [m]'):report.index('times real time') - 5]
-    for _ in range(REPEATS - 1):
-        again, report = drive(graph)
-        assert table.strip() in report
+    table = report[report.index('x [m]'):report.index('times real time') - 5].strip()
+    first, report = drive(graph, PACE)
+    assert table in report
+    for _ in range(REPEATS - 2):
+        again, report = drive(graph, PACE)
+        assert table in report
         for before, after in zip(first, again):
             both = before.keys() & after.keys()
             assert len(both) > 24 * 50 / 4
