@@ -260,6 +260,9 @@ class Odometry(NamedTuple):
         angles = odometry.left.value, odometry.right.value
         if verdict is CLOCK_STEP or self.motion is None:
             measured = measured.begun(sample.stamp_ns, angles, sample.rates)
+        elif self.measured is None:  # up to now rates were taken at their word
+            measured = measured.begun(sample.stamp_ns, angles, sample.rates, sample.rates or (
+                rates_at(self.motion, self._theirs(now_ns), self.timeout_ns)))
         else:
             told = self._angle_at(self.motion, self._theirs(now_ns))
             measured = measured.followed(sample.stamp_ns, angles, sample.rates, (
@@ -309,8 +312,8 @@ class Odometry(NamedTuple):
 
         """
         slip = _check_slip(self.slip_variances if slip_variances is None else slip_variances)
-        now_ns, clock = self._theirs(now_ns), self.clock._replace(
-            tolerance_ns=tolerance_of(timeout_ns))
+        now_ns, clock = self._theirs(now_ns), self.clock.tolerating(
+            tolerance_of(timeout_ns))
         if self.motion is None or not self.motion.holds or now_ns <= self.motion.anchor_ns:
             return self._replace(
                 geometry=geometry, timeout_ns=timeout_ns, slip_variances=slip, clock=clock)
@@ -410,6 +413,13 @@ class Odometry(NamedTuple):
         return self._replace(
             clock=clock, motion=self.motion and shifted(self.motion, step_ns),
             measured=self.measured and self.measured.clock_stepped(step_ns))
+
+    @property
+    def at_rest(self) -> bool:
+        """Return whether the wheels are known to have been at rest when they were heard last."""
+        if self.motion is None:
+            return False
+        return (self.motion if self.measured is None else self.measured).rates == NOTHING
 
     def at(self, time_ns: int) -> BaseReading:
         """
