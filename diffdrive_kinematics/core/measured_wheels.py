@@ -21,8 +21,9 @@ them: filtered, late, in other units, or nothing at all.
 
 * Rates are those of the positions, over a window.
 * From one message to the next the angle goes on by the velocities while they agree with the
-  positions, and never by more than twice what these show, else by the rates of the window: for a few usual intervals at most, and only where a
-  wheel has turned one way for a while, so that what stands does not creep.
+  positions, up to twice what these show; else by the rates of the window: for a few usual
+  intervals at most, and only where a wheel has turned one way for a while, so that what stands
+  does not creep.
 * Where that was too far the angle waits for the positions, rather than go back.  A wheel that
   stands, or turns the other way, is where its positions say.
 """

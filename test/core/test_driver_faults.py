@@ -70,6 +70,24 @@ def test_a_clock_that_is_slow_never_takes_the_base_back(kind, slow_ppm):
     assert min(b - a for a, b in zip(angles, angles[1:])) >= -1e-9
 
 
+@pytest.mark.parametrize('period_ms', [20, 100])
+def test_a_clock_that_drifts_from_the_own_one_until_it_is_another_takes_no_base_back(period_ms):
+    """Guard 1.2 rad backward when the clocks part."""
+    odometry, angles, twists = base(), [], set()
+    for number in range(60_000 // period_ms):
+        arrival, seconds = START_NS + number * period_ms * MS, number * period_ms / 1e3
+        odometry, verdict = odometry.received(WheelSample(
+            arrival - round(seconds * 5e-3 * S), (RATE, RATE)), arrival)
+        assert verdict is not Verdict.OUT_OF_ORDER and verdict is not Verdict.CLOCK_STEP
+        for wait in 0, period_ms // 2:
+            reading = odometry.at(arrival + wait * MS)
+            angles.append(reading.angles[0])
+            twists.add(reading.rates)
+    assert odometry.clock.differs
+    assert twists == {(RATE, RATE)}
+    assert min(b - a for a, b in zip(angles, angles[1:])) >= -1e-9
+
+
 def test_a_clock_that_starts_behind_and_drifts_on_stops_no_wheel():
     odometry = base()
     for number in range(3000):
