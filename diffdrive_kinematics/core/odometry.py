@@ -231,8 +231,8 @@ class Odometry(NamedTuple):
         if verdict is REPEATED or verdict is OUT_OF_ORDER:
             return Odometry(
                 self.geometry, self.timeout_ns, odometry.x, odometry.y, odometry.theta,
-                odometry.left, odometry.right, result.motion, self.slip_variances, odometry.covariance, self.max_rate,
-                clock, self.measured, self.unmeasured), verdict
+                odometry.left, odometry.right, result.motion, self.slip_variances,
+                odometry.covariance, self.max_rate, clock, self.measured, self.unmeasured), verdict
         self._check_sane(sample.rates or NOTHING, 'velocity')
         self._check_sane(result.rolled, 'position')
         if verdict is CLOCK_STEP:
@@ -463,8 +463,7 @@ class Odometry(NamedTuple):
         if self.motion is None:
             return BaseReading(self._pose(0.0, 0.0), (0.0, 0.0),
                                (self.left.value, self.right.value), (0.0, 0.0))
-        if self.clock.apart:
-            time_ns = self.clock.theirs_ns(time_ns)
+        time_ns = self._theirs(time_ns)
         if self.measured is None:
             left, right = rolled(self.motion, time_ns, self.timeout_ns)
             rates = rates_at(self.motion, time_ns, self.timeout_ns)
