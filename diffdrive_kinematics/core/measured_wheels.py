@@ -21,8 +21,9 @@ them: filtered, late, in other units, or nothing at all.
 
 * Rates are those of the positions, over a window.
 * From one message to the next the angle goes on by the velocities while they agree with the
-  positions, else by the rates of the window: for a few usual intervals at most, and only where a
-  wheel has turned one way for a while, so that what stands does not creep.
+  positions, up to twice what these show; else by the rates of the window: for a few usual
+  intervals at most, and only where a wheel has turned one way for a while, so that what stands
+  does not creep.
 * Where that was too far the angle waits for the positions, rather than go back.  A wheel that
   stands, or turns the other way, is where its positions say.
 """
@@ -37,6 +38,7 @@ __all__ = ['MeasuredWheels']
 
 NANOSECONDS = 1e9
 REACH = 3  # usual intervals
+CREDIBLE = 2.0  # times the rate of the positions: a velocity above it is an outlier
 STEADY = 3  # messages in a row in which a wheel turned one way
 RESTING = 2  # messages in a row in which it did not
 
@@ -82,7 +84,8 @@ class MeasuredWheels(NamedTuple):
         return self.window.rates
 
     def begun(
-            self, time_ns: int, angles: Pair, velocities: Optional[Pair]) -> 'MeasuredWheels':
+            self, time_ns: int, angles: Pair, velocities: Optional[Pair],
+            rates: Pair = ZERO) -> 'MeasuredWheels':
         """
         Return what a first message says, or one after a step of its clock.
 
@@ -94,6 +97,8 @@ class MeasuredWheels(NamedTuple):
             Rolled so far, as the positions say [rad].
         velocities : pair of float or None
             The driver's velocities [rad/s].
+        rates : pair of float
+            Rates [rad/s] until the next message, where no velocities are believed.
 
         Returns
         -------
@@ -105,8 +110,10 @@ class MeasuredWheels(NamedTuple):
         See :class:`MeasuredWheels`.
 
         """
+        if velocities is not None and self.check.believed:
+            rates = velocities
         return self._replace(
-            window=self.window.begun(time_ns, angles), lead=ZERO,
+            window=self.window.begun(time_ns, angles, rates), lead=ZERO,
             check=self.check._replace(rates=velocities))
 
     def followed(
@@ -163,8 +170,8 @@ class MeasuredWheels(NamedTuple):
         See :class:`MeasuredWheels`.
 
         """
-        if self._bridged():
-            return self.check.rates
+        if self.check.believed and self.check.rates is not None:
+            return self._credible(self.check.rates)
         if not self.extrapolates:
             return None
         (left, right), (left_run, right_run) = self.window.rates, self.window.runs
@@ -210,6 +217,17 @@ class MeasuredWheels(NamedTuple):
             return timeout_ns
         reach_ns = REACH * self.window.usual_ns
         return reach_ns if timeout_ns is None else min(reach_ns, timeout_ns)
+
+    def _credible(self, rates: Pair) -> Pair:
+        """Return velocities [rad/s] within a multiple of what the positions show."""
+        groups, shown = self.window.groups, self.window.rates
+        last, before = groups[-1], groups[-2] if len(groups) > 1 else groups[-1]
+        per_s = NANOSECONDS / self.window.usual_ns
+        left = CREDIBLE * max(abs(shown[0]), abs(last[1] - before[1]) * per_s)
+        right = CREDIBLE * max(abs(shown[1]), abs(last[2] - before[2]) * per_s)
+        if -left <= rates[0] <= left and -right <= rates[1] <= right:
+            return rates
+        return max(-left, min(left, rates[0])), max(-right, min(right, rates[1]))
 
     def _bridged(self) -> bool:
         """Tell whether angles go on by the velocities of the driver."""

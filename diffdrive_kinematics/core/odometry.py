@@ -214,10 +214,13 @@ class Odometry(NamedTuple):
             self, sample: WheelSample, now_ns: int, max_rate: float = math.inf,
             usual_ns: int = 0) -> Tuple['Odometry', Verdict]:
         """Return the odometry after a sample that means what it says."""
-        motion = self.motion
+        odometry, motion = self, self.motion
         clock, theirs_ns = self.clock, now_ns
         if not clock.low_ns <= now_ns - sample.stamp_ns <= clock.high_ns:
             theirs_ns, clock = clock.theirs_ns(now_ns), clock.observed(sample.stamp_ns, now_ns)
+            if clock.apart and self._goes_back(clock, sample, theirs_ns):
+                odometry = self._anchored_at(theirs_ns)
+                motion = odometry.motion
         if motion is None:
             self._check_sane(sample.rates or NOTHING, 'velocity')
             return self._replace(motion=first_motion(sample), clock=clock), Verdict.FIRST
@@ -227,18 +230,40 @@ class Odometry(NamedTuple):
         verdict = result.verdict
         if verdict is REPEATED or verdict is OUT_OF_ORDER:
             return Odometry(
-                self.geometry, self.timeout_ns, self.x, self.y, self.theta, self.left, self.right,
-                result.motion, self.slip_variances, self.covariance, self.max_rate, clock,
-                self.measured, self.unmeasured), verdict
+                self.geometry, self.timeout_ns, odometry.x, odometry.y, odometry.theta,
+                odometry.left, odometry.right, result.motion, self.slip_variances,
+                odometry.covariance, self.max_rate, clock, self.measured, self.unmeasured), verdict
         self._check_sane(sample.rates or NOTHING, 'velocity')
         self._check_sane(result.rolled, 'position')
         if verdict is CLOCK_STEP:
             clock = clock.begun(sample.stamp_ns, now_ns)
-        odometry, rest = self, result.rolled
+        rest = result.rolled
         if result.known != NOTHING:
-            odometry = self._rolled(result.known, motion, clock)
+            odometry = odometry._rolled(result.known, motion, clock)
             rest = rest[0] - result.known[0], rest[1] - result.known[1]
         return odometry._rolled(rest, result.motion, clock), verdict
+
+    def _goes_back(self, clock: SenderClock, sample: WheelSample, theirs_ns: int) -> bool:
+        """
+        Tell whether the time of wheels that turn by rates alone goes back with another clock.
+
+        They wait for it where they are: nobody sees them turn back.
+        """
+        motion, back_ns = self.motion, clock.offset_ns - self.clock.offset_ns
+        return (motion is not None and motion.holds and sample.positions is None
+                and clock.tolerance_ns < 2 * back_ns <= 4 * clock.tolerance_ns
+                and sample.stamp_ns > motion.last_ns and theirs_ns > motion.anchor_ns
+                and not is_silent(motion, theirs_ns, self.timeout_ns))
+
+    def _anchored_at(self, time_ns: int) -> 'Odometry':
+        """Return the odometry with its anchor at a time [ns] on the samples' clock."""
+        motion = self.motion
+        if motion is None:
+            return self
+        angle = self._angle_at(motion, time_ns)
+        return self._rolled(angle, motion._replace(
+            anchor_ns=time_ns, rates=rates_at(motion, time_ns, self.timeout_ns), reference=(
+                motion.reference[0] + angle[0], motion.reference[1] + angle[1])), self.clock)
 
     def _unmeasured(self) -> 'Odometry':
         """Return the odometry that takes rates at their word: positions are lacking."""
@@ -260,6 +285,9 @@ class Odometry(NamedTuple):
         angles = odometry.left.value, odometry.right.value
         if verdict is CLOCK_STEP or self.motion is None:
             measured = measured.begun(sample.stamp_ns, angles, sample.rates)
+        elif self.measured is None:  # up to now rates were taken at their word
+            measured = measured.begun(sample.stamp_ns, angles, sample.rates, sample.rates or (
+                rates_at(self.motion, self._theirs(now_ns), self.timeout_ns)))
         else:
             told = self._angle_at(self.motion, self._theirs(now_ns))
             measured = measured.followed(sample.stamp_ns, angles, sample.rates, (
@@ -309,18 +337,13 @@ class Odometry(NamedTuple):
 
         """
         slip = _check_slip(self.slip_variances if slip_variances is None else slip_variances)
-        now_ns, clock = self._theirs(now_ns), self.clock._replace(
-            tolerance_ns=tolerance_of(timeout_ns))
+        now_ns, clock = self._theirs(now_ns), self.clock.tolerating(
+            tolerance_of(timeout_ns))
         if self.motion is None or not self.motion.holds or now_ns <= self.motion.anchor_ns:
             return self._replace(
                 geometry=geometry, timeout_ns=timeout_ns, slip_variances=slip, clock=clock)
-        angle = self._angle_at(self.motion, now_ns)
-        reference = (self.motion.reference[0] + angle[0], self.motion.reference[1] + angle[1])
-        motion = self.motion._replace(
-            anchor_ns=now_ns, reference=reference,
-            rates=rates_at(self.motion, now_ns, self.timeout_ns))
-        return self._rolled(angle, motion, clock)._replace(
-            geometry=geometry, timeout_ns=timeout_ns, slip_variances=slip,
+        return self._anchored_at(now_ns)._replace(
+            geometry=geometry, timeout_ns=timeout_ns, slip_variances=slip, clock=clock,
             measured=self.measured and self.measured._replace(lead=NOTHING))
 
     def placed_at(
@@ -411,6 +434,13 @@ class Odometry(NamedTuple):
             clock=clock, motion=self.motion and shifted(self.motion, step_ns),
             measured=self.measured and self.measured.clock_stepped(step_ns))
 
+    @property
+    def at_rest(self) -> bool:
+        """Return whether the wheels are known to have been at rest when they were heard last."""
+        if self.motion is None:
+            return False
+        return (self.motion if self.measured is None else self.measured).rates == NOTHING
+
     def at(self, time_ns: int) -> BaseReading:
         """
         Return the base at a time; before the anchor that is the base at the anchor.
@@ -433,8 +463,7 @@ class Odometry(NamedTuple):
         if self.motion is None:
             return BaseReading(self._pose(0.0, 0.0), (0.0, 0.0),
                                (self.left.value, self.right.value), (0.0, 0.0))
-        if self.clock.apart:
-            time_ns = self.clock.theirs_ns(time_ns)
+        time_ns = self._theirs(time_ns)
         if self.measured is None:
             left, right = rolled(self.motion, time_ns, self.timeout_ns)
             rates = rates_at(self.motion, time_ns, self.timeout_ns)

@@ -19,7 +19,8 @@ An increment over its own interval is no rate: stamps jitter, messages come in p
 and encoders count in ticks.  Over a window of N intervals these errors are N times smaller.
 
 * Messages that come within half the usual interval of each other count as one, the last of them,
-  so that a burst does not make the window short.  The usual interval is that between such groups.
+  so that a burst does not make the window short.  The usual interval is that between such groups,
+  and a pause, be it the first one, does not make it long.
 * No rate is taken over less than half the usual interval: it stays what it was.
 * A wheel that has not moved since a time turns by no more than its smallest increment a such time.
 """
@@ -34,6 +35,7 @@ NANOSECONDS = 1e9
 USUAL_NS = 20_000_000  # the interval expected before two messages are known
 WEIGHT = 16  # of what was usual, against one more interval
 LONGEST = 4  # usual intervals that one more counts for at most
+FIRST = 2  # intervals that are taken for usual as they are
 
 
 class RateWindow(NamedTuple):
@@ -72,7 +74,7 @@ class RateWindow(NamedTuple):
     runs: Tuple[int, int] = (0, 0)
     rests: Tuple[int, int] = (0, 0)
 
-    def begun(self, time_ns: int, angles: Pair) -> 'RateWindow':
+    def begun(self, time_ns: int, angles: Pair, rates: Pair = ZERO) -> 'RateWindow':
         """
         Return the window that starts with a message; what interval is usual stays known.
 
@@ -82,6 +84,8 @@ class RateWindow(NamedTuple):
             Its time [ns].
         angles : pair of float
             Angles of the wheels [rad].
+        rates : pair of float
+            Rates [rad/s] until the next message, where they are known.
 
         Returns
         -------
@@ -93,7 +97,7 @@ class RateWindow(NamedTuple):
         See :class:`RateWindow`.
 
         """
-        return RateWindow(self.size, ((time_ns, *angles),), time_ns, self.usual_ns)
+        return RateWindow(self.size, ((time_ns, *angles),), time_ns, self.usual_ns, rates)
 
     def followed(self, time_ns: int, angles: Pair) -> 'RateWindow':
         """
@@ -126,8 +130,9 @@ class RateWindow(NamedTuple):
         if interval_ns < usual_ns // 2:
             groups = (*groups[:-1], entry)
         else:
-            usual_ns = interval_ns if len(groups) == 1 else usual_ns + (
-                min(interval_ns, LONGEST * usual_ns) - usual_ns) // WEIGHT
+            interval_ns = min(interval_ns, LONGEST * usual_ns)
+            usual_ns = interval_ns if len(groups) <= FIRST else usual_ns + (
+                interval_ns - usual_ns) // WEIGHT
             groups, begun_ns = (*groups, entry)[-1 - self.size:], time_ns
         (left_run, left_rest), (right_run, right_rest) = map(
             _counted, zip(angles, last, self.runs, self.rests))

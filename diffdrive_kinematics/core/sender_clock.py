@@ -19,8 +19,8 @@ The latency of a message, its arrival minus its stamp, is the offset of the send
 what the message took.  The least latency is the offset, but for the fastest message's way.
 
 * It falls at once: no message comes before it was sent.
-* It rises by a thousandth of the time that passes, ten times what crystals drift, so that time
-  mapped by it always goes on; and at once to that of later messages, where nothing but later ones
+* It rises by a hundredth of the time that passes, more than clocks drift, so that time mapped by
+  it always goes on; and at once to that of later messages, where nothing but later ones
   has come for a while.  A burst after a stall ends with messages in time, and changes nothing.
 * A clock that is within the tolerance is the own one, and its stamps are taken as they are.
 """
@@ -33,7 +33,7 @@ TOLERANCE_NS = 250_000_000
 
 PATIENCE_NS = 1_000_000_000
 FEWEST = 5  # messages to judge by
-DRIFT = 1000  # the least latency may rise by one part of so many
+DRIFT = 100  # the least latency may rise by one part of so many
 HYSTERESIS = 10  # clocks that were apart agree again within one part in so many of the tolerance
 
 
@@ -216,7 +216,7 @@ class SenderClock(NamedTuple):
         late, since_ns, late_least = 0, arrival_ns, latency
         if latency < least:
             least = latency
-        elif latency > least + self.tolerance_ns:
+        elif latency > (least if self.apart else 0) + self.tolerance_ns:
             late = self.late + 1
             if self.late:
                 since_ns, late_least = self.late_since_ns, min(latency, self.late_least_ns)
@@ -257,6 +257,30 @@ class SenderClock(NamedTuple):
         return SenderClock(
             self.tolerance_ns, apart, latency, stamp_ns, arrival_ns, 1, arrival_ns,
             low_ns=low_ns, high_ns=high_ns)
+
+    def tolerating(self, tolerance_ns: int) -> 'SenderClock':
+        """
+        Return the clock with another tolerance, by which the next message is judged.
+
+        Parameters
+        ----------
+        tolerance_ns : int
+            Difference [ns] up to which the clock is the own one.
+
+        Returns
+        -------
+        SenderClock
+            The clock under it.
+
+        Examples
+        --------
+        >>> clock = SenderClock(250_000_000).observed(5_000_000_000, 5_200_000_000)
+        >>> clock = clock.tolerating(50_000_000).observed(5_100_000_000, 5_300_000_000)
+        >>> clock.apart, clock.offset_ns
+        (True, 200000000)
+
+        """
+        return self._replace(tolerance_ns=tolerance_ns, low_ns=0, high_ns=-1)
 
     def clock_stepped(self, step_ns: int) -> 'SenderClock':
         """

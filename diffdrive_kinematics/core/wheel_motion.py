@@ -37,7 +37,7 @@ never on when a sample happened to arrive or how often somebody looked.
   again elsewhere.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 import enum
 import math
 from typing import NamedTuple, Optional, Tuple
@@ -450,13 +450,12 @@ def receive(
             again = _is_the_anchor(sample, motion)
             return Received(motion, ZERO, Verdict.REPEATED if again else Verdict.OUT_OF_ORDER)
         stamp = motion.anchor_ns + 1  # it was on its way while the settings changed
-        sample = replace(sample, stamp_ns=stamp)
     held = rolled(motion, stamp, timeout_ns)
     same_source = sample.source == motion.source
     counts = same_source and sample.positions is not None and motion.counted
     travelled = _increment(motion, sample) if counts else held
     if counts and _jumps(motion, travelled, stamp, max_rate, usual_ns):
-        return Received(first_motion(sample), held, Verdict.JUMPED)
+        return Received(_motion_from(sample, stamp), held, Verdict.JUMPED)
     begins = sample.positions is not None and not motion.counted
     as_held = not counts or _same(held, travelled, motion, sample)
     silent = (timeout_ns is not None and stamp > motion.last_ns + timeout_ns
@@ -466,7 +465,7 @@ def receive(
         if stamp < motion.last_ns - tolerance:
             return _stepped(motion, sample, timeout_ns)
         return Received(_renewed(motion, sample, held), ZERO, Verdict.REPEATED)
-    following = first_motion(sample)
+    following = _motion_from(sample, stamp)
     if sample.rates is None:
         seconds = (stamp - motion.anchor_ns) / NANOSECONDS
         following = following._replace(
@@ -488,6 +487,12 @@ def _begins_at_the_anchor(sample: WheelSample, motion: WheelMotion) -> bool:
     return (sample.stamp_ns == motion.anchor_ns == motion.last_ns
             and sample.source == motion.source and sample.rates not in (None, ZERO)
             and motion.rates == motion.reference == sample.positions == ZERO)
+
+
+def _motion_from(sample: WheelSample, anchor_ns: int) -> WheelMotion:
+    """Return the motion that starts with a sample, which may be older than its anchor."""
+    motion = first_motion(sample)
+    return motion if sample.stamp_ns == anchor_ns else motion._replace(anchor_ns=anchor_ns)
 
 
 def _renewed(motion: WheelMotion, repeat: WheelSample, held: Pair) -> WheelMotion:

@@ -32,7 +32,7 @@ from diffdrive_kinematics.nodes.from_values import (
     check_sides, check_wiring, wheel_geometry, wheel_slips)
 from diffdrive_kinematics.nodes.messages import nanoseconds, pose_in_plane
 from diffdrive_kinematics.nodes.node import DiffDriveNode
-from diffdrive_kinematics.nodes.other_clock import ClockWatch
+from diffdrive_kinematics.nodes.other_clock import StampWatch
 from diffdrive_kinematics.nodes.projection_messages import polygon_message, poses_message
 from diffdrive_kinematics.nodes.running import main_of
 from diffdrive_kinematics.nodes.tables import FORWARD_PROJECTION
@@ -96,7 +96,7 @@ class ForwardProjection(DiffDriveNode[Config]):
             Pose(0.0, 0.0, 0.0), geometry=self.config.geometry, timeout_ns=self.config.timeout_ns)
         self._odometry: Optional[Tuple[Odometry, Pose]] = None
         self._clocks = {
-            name: ClockWatch(self, values[name]) for name in ('odom_topic', 'wheel_motion_topic')}
+            name: StampWatch(self, values[name]) for name in ('odom_topic', 'wheel_motion_topic')}
         self._worker: Union[InPlace, Worker] = (
             InPlace(self._publish) if self._stepped else Worker(self._come_back))
         topic = values['poses_topic']

@@ -22,12 +22,12 @@ from diffdrive_kinematics.nodes.diagnostics import Trouble, WARN
 if TYPE_CHECKING:
     from diffdrive_kinematics.nodes.node import DiffDriveNode
 
-__all__ = ['ClockWatch']
+__all__ = ['StampWatch']
 
 TOLERANCE_NS = 1_000_000_000  # far from what clocks that agree differ by, latency included
 
 
-class ClockWatch:
+class StampWatch:
     """
     What the stamps on a topic show of the clock that they are of.
 

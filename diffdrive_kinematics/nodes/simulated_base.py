@@ -259,13 +259,8 @@ class SimulatedBase(DiffDriveNode[Config]):
                 *self._wheel_watch.troubles(), *self._driver.troubles(),
                 *unheard(self.heard, topic),
                 *quiet(self.heard, look.now_ns, values['command_timeout'], topic,
-                       at_rest=self._motion_at_rest()),
+                       at_rest=self._odometry.at_rest),
                 *slowness(look, values['publish_rate'])])
-
-    def _motion_at_rest(self) -> bool:
-        """Return whether the wheels were at rest when they were heard last."""
-        motion = self._odometry.motion
-        return motion is not None and motion.rates == (0.0, 0.0)
 
     def _updated_now(self) -> int:
         """Return the time, after all wheel motion that has come up to then."""

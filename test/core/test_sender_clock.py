@@ -54,7 +54,7 @@ def test_another_clock_is_known_at_once_and_steady_after_a_while_and_its_offset_
     clock, _ = heard([offset + way for way in ways])
     assert clock.apart and clock.differs
     found = clock.offset_ns - offset
-    assert min(ways) <= found <= min(ways) + len(ways) * PERIOD // 1000
+    assert min(ways) <= found <= min(ways) + len(ways) * PERIOD // 100
     assert clock.own_ns(clock.theirs_ns(NOW)) == NOW
 
 
@@ -102,7 +102,7 @@ def test_a_clock_that_was_set_back_is_found_at_once_where_it_was_another(back):
 
 
 @LAW
-@given(st.integers(-200, 200), st.sampled_from([-7 * S, 7 * S]))
+@given(st.integers(-5000, 5000), st.sampled_from([-7 * S, 7 * S]))
 def test_a_drift_of_the_clocks_is_followed_and_mapped_time_goes_on(drift_ppm, offset):
     clock, before = FRESH, None
     for number in range(3000):
