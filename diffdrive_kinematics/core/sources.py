@@ -33,6 +33,7 @@ from typing import NamedTuple, Optional, Sequence, Tuple
 __all__ = ['Source', 'Sources', 'Spoken']
 
 LARGEST_GAP = 100  # messages that are lost without a silence; who is further ahead is another one
+FASTEST_NS = 500_000  # between messages: what a silence may have swallowed
 TAKEOVER_NS = 500_000_000  # of silence, where a single publisher is known
 CONTESTED_TAKEOVER_NS = 2_000_000_000  # of silence, where two have spoken in turn
 CONTEST_NS = 5_000_000_000  # for which it is reported after the last sign of it
@@ -137,9 +138,9 @@ class Source(NamedTuple):
             return 0
         if not spoken.number or not last.number:
             return 1
-        ahead = spoken.number - last.number
+        ahead, silent = spoken.number - last.number, self.silent(spoken.now_ns)
         return ahead if 0 < ahead and (
-            ahead <= LARGEST_GAP or self.silent(spoken.now_ns) > TAKEOVER_NS) else 0
+            ahead <= LARGEST_GAP + silent // FASTEST_NS or silent > TAKEOVER_NS) else 0
 
     def parted(self, spoken: Spoken) -> 'Tuple[Source, ...]':
         """

@@ -163,6 +163,22 @@ def test_what_was_lost_in_a_long_silence_makes_no_other_publisher():
     assert believed == 100 * 'D' and len(sources.known) == 1
 
 
+@pytest.mark.parametrize('hertz', [50, 250, 1000, 2000])
+@pytest.mark.parametrize('stall', [0.12, 0.3, 0.45, 0.7])
+def test_what_a_queue_loses_while_the_listener_stalls_makes_no_other_publisher(hertz, stall):
+    """The queue keeps the last 100 messages; they come all at once."""
+    period_ns, messages = 10**9 // hertz, []
+    lost = range(hertz, hertz + max(0, int(stall * hertz) - 100))
+    for step in range(2 * hertz):
+        at_ns = period_ns * step
+        if 1.0 <= step / hertz < 1.0 + stall:
+            at_ns = int(1e9 * (1.0 + stall))
+        if step not in lost:
+            messages.append(('D', Spoken('', BOTH, 1 + step, at_ns, (0.005 * step,) * 2)))
+    sources, believed = told(messages)
+    assert '.' not in believed and len(sources.known) == 1
+
+
 def test_messages_of_which_only_the_last_one_is_told_are_no_gap():
     sources, _ = told([driver('D', 0, 0.0, 1)])
     sources = sources.caught_up(driver('D', 2000, 5.0, 101)[1])
