@@ -16,7 +16,7 @@
 
 import random
 
-from diffdrive_kinematics.core.sources import Sources, Spoken
+from diffdrive_kinematics.core.sources import MOST_SOURCES, Sources, Spoken
 import pytest
 
 BOTH = (0, 1)
@@ -161,6 +161,43 @@ def test_what_was_lost_in_a_long_silence_makes_no_other_publisher():
     messages += [driver('D', 20 * step, 0.1 * step, 1 + step) for step in range(5000, 5050)]
     sources, believed = told(messages)
     assert believed == 100 * 'D' and len(sources.known) == 1
+
+
+@pytest.mark.parametrize('rate', [0.0, 5.0])
+@pytest.mark.parametrize('down', [100, 300, 600, 1000, 1500, 3000])
+@pytest.mark.parametrize('life', [600, 1000, 3000, 4000])
+def test_a_restarted_driver_that_counts_past_its_predecessor_is_not_taken_for_it(
+        life, down, rate):
+    def run(who, begin, end):
+        return [driver(who, at, rate * (at - begin) / 1e3, 1 + (at - begin) // 20)
+                for at in range(begin, end, 20)]
+
+    again = life + down
+    sources, believed = told(run('A', 0, life) + run('B', again, again + 9000))
+    first = believed[life // 20:]
+    assert len(first.lstrip('.')) >= 450 - 25 and '.' not in first.lstrip('.')
+    owner, = sources.owners
+    assert owner.now_ns == again * MS
+    assert sources.contested_ns < 0
+
+
+def test_a_slow_publisher_of_zeros_is_not_taken_for_the_driver_whose_number_it_meets():
+    messages = []
+    for step in range(500):
+        messages.append(driver('D', 100 * step, 0.5 * step, 901 + step))
+        if step % 12 == 7:
+            messages.append(driver('z', 100 * step + 50, 0.0, 1200 + step // 12))
+    _, believed = told(messages)
+    assert believed.replace('.', '') == 500 * 'D'
+
+
+def test_however_many_strangers_speak_the_one_believed_is_not_forgotten():
+    messages = [driver('D', 0, 0.0, 1), driver('D', 20, 1.0, 2)]
+    messages += [driver('s', 30 + step, 0.0, 5000 - 200 * step) for step in range(20)]
+    messages += [driver('D', 60, 2.0, 3)]
+    sources, believed = told(messages)
+    assert believed == 'DD' + 20 * '.' + 'D'
+    assert len(sources.known) == MOST_SOURCES
 
 
 @pytest.mark.parametrize('hertz', [50, 250, 1000, 2000])
