@@ -402,8 +402,7 @@ class Sources(NamedTuple):
         restarted publisher counts past its predecessor.
         """
         longest_ns = self._takeover_ns(spoken.now_ns)
-        found = [((silent := source.silent(spoken.now_ns)) > longest_ns, ahead,
-                  source.distance(spoken), silent, place)
+        found = [(source.silent(spoken.now_ns) > longest_ns, ahead, source.distance(spoken), place)
                  for place, source in enumerate(self.known) if (ahead := source.ahead(spoken))]
         return self.known[min(found)[-1]] if found else None
 

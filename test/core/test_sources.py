@@ -191,6 +191,17 @@ def test_a_slow_publisher_of_zeros_is_not_taken_for_the_driver_whose_number_it_m
     assert believed.replace('.', '') == 500 * 'D'
 
 
+def test_zeros_that_begin_with_the_driver_and_with_its_number_are_told_by_what_they_say():
+    """The driver moves at once: its second message is as far from both."""
+    messages = in_turn(1, 1, seconds=2)
+    messages[1:1] = [driver('z', 9, 0.0, 1)]
+    messages = [(who, spoken._replace(number=spoken.number + (who == 'z' and at > 1)))
+                for at, (who, spoken) in enumerate(messages)]
+    sources, believed = told(messages)
+    assert believed.replace('.', '') == 100 * 'D'
+    assert [each.moved for each in sources.known] == [True, False]
+
+
 def test_however_many_strangers_speak_the_one_believed_is_not_forgotten():
     messages = [driver('D', 0, 0.0, 1), driver('D', 20, 1.0, 2)]
     messages += [driver('s', 30 + step, 0.0, 5000 - 200 * step) for step in range(20)]
