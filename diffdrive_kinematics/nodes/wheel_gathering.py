@@ -55,7 +55,7 @@ class Gathering:
     def __init__(self, joints: WheelJoints, period: float) -> None:
         self._names, self._left = joints.all_names(), len(joints.names[0])
         self._all = tuple(range(len(self._names)))
-        self._fresh_track = PositionTrack(period)
+        self._fresh_track, self._wraps = PositionTrack(period), bool(period)
         self.sources = Sources()
         self._shifts: Dict[Tuple[object, ...], Dict[int, float]] = {}
         self._tags: Dict[int, str] = {}
@@ -115,7 +115,12 @@ class Gathering:
         return Gathered(stamp_ns, *self._motion(stamp_ns, positions, rates), source)
 
     def _positions(self, spoken: Spoken) -> Tuple[float, ...]:
-        """Return positions without wraps that go on from those of the publisher before."""
+        """
+        Return positions without wraps that go on from those of the publisher before.
+
+        Where that one is gone, they go on from the first ones heard, believed or not; which way
+        they have gone since is not known where they wrap.
+        """
         owner = next(each for each in self.sources.owners if each.joints == spoken.joints)
         goes_on = all(self._tags.get(joint) == spoken.tag for joint in spoken.joints)
         if not goes_on:
@@ -125,10 +130,13 @@ class Gathering:
         if len(self._shifts) > len(self.sources.known):
             kept = {each.first[:4] for each in self.sources.known}
             self._shifts = {key: value for key, value in self._shifts.items() if key in kept}
+        heard = spoken if self._wraps or self.sources.contested(spoken.now_ns) else owner
         return tuple(
-            self._follow(joint, position + shift.setdefault(joint, self._shift(joint, position)))
+            self._follow(joint, position + shift.setdefault(
+                joint, self._shift(joint, first if is_sane(first) else position)))
             if is_sane(position) else position
-            for joint, position in zip(spoken.joints, spoken.positions))
+            for joint, position, first in zip(
+                spoken.joints, spoken.positions, heard.positions or spoken.positions))
 
     def _shift(self, joint: int, position: float) -> float:
         """Return what makes the first position [rad] of a publisher the last one before it."""
@@ -175,8 +183,11 @@ class Gathering:
         seconds = (stamp_ns - self._turned_ns) / 1e9
         self._turned_ns = stamp_ns
         if 0.0 < seconds <= LONGEST_HELD:
+            means = self._halves(rates, [True] * len(rates))  # for those that say nothing
+            speeds = [rate if is_sane(rate) else means[joint >= self._left]
+                      for joint, rate in enumerate(rates)]
             self._turned = [angle + rate * seconds if is_sane(rate) else angle
-                            for angle, rate in zip(self._turned, rates)]
+                            for angle, rate in zip(self._turned, speeds)]
         return [angle if is_sane(rate) else math.nan for angle, rate in zip(self._turned, rates)]
 
     def _note_left_out(self, what: str, values: Sequence[float]) -> None:
