@@ -28,6 +28,7 @@ __all__ = ['Assembled', 'Assembly', 'JointReading']
 
 STEP_NS = 1_000_000_000  # back: the clock was stepped; further apart: clocks of their own
 MOST_EARLIER = 500  # readings of a joint
+POSITION, RATE = 1, 2  # in a reading
 
 
 class JointReading(NamedTuple):
@@ -204,8 +205,8 @@ class Assembly(NamedTuple):
             return Assembly(tuple(newest), tuple(earlier), tuple(fresh)), None
         stamp_ns = min(reading.stamp_ns for reading in newest if reading)
         sample = Assembled(
-            stamp_ns, tuple(_position_at(stamp_ns, a, b) for a, b in zip(earlier, newest)),
-            tuple(reading.rate for reading in newest if reading))
+            stamp_ns, *(tuple(_value_at(stamp_ns, what, a, b) for a, b in zip(earlier, newest))
+                        for what in (POSITION, RATE)))
         return Assembly(tuple(newest), tuple(
             _since(stamp_ns, each) for each in earlier), (False,) * len(fresh)), sample
 
@@ -224,16 +225,17 @@ def _since(stamp_ns: int, earlier: Tuple[JointReading, ...]) -> Tuple[JointReadi
     return earlier[first:]
 
 
-def _position_at(
-        stamp_ns: int, earlier: Tuple[JointReading, ...],
+def _value_at(
+        stamp_ns: int, what: int, earlier: Tuple[JointReading, ...],
         newest: Optional[JointReading]) -> float:
-    """Return the position [rad] at a time at or before the newest reading."""
+    """Return the position [rad] or rate [rad/s] at a time at or before the newest reading."""
     if newest is None:
         return math.nan
     before, after, *_ = *_since(stamp_ns, earlier), newest, newest
-    if math.isnan(before.position) or stamp_ns >= newest.stamp_ns:
-        return newest.position
+    old, new = before[what], after[what]
+    if math.isnan(old) or stamp_ns >= newest.stamp_ns:
+        return newest[what]
     if before.stamp_ns >= stamp_ns:
-        return before.position
+        return old
     share = (stamp_ns - before.stamp_ns) / (after.stamp_ns - before.stamp_ns)
-    return before.position + share * (after.position - before.position)
+    return old + share * (new - old)

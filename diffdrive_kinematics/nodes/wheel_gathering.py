@@ -63,6 +63,7 @@ class Gathering:
         self._assembly = Assembly.of(len(self._all))
         self._begin_anew(())
         self.left_out, self.last_left_out = 0, ''
+        self._delays: Dict[int, int] = {}  # of messages with some of the joints [ns]
         self.waiting_since_ns: Optional[int] = None
         self.incomplete = 0  # messages that had to wait for others
 
@@ -97,6 +98,7 @@ class Gathering:
             self._assembly = Assembly.of(len(self._all))
             rates: Sequence[float] = spoken.rates
         else:
+            self._note_delay(spoken.joints, spoken.now_ns - stamp_ns)
             nothing = (math.nan,) * len(spoken.joints)
             self._assembly, sample = self._assembly.after({
                 joint: JointReading(stamp_ns, position, rate) for joint, position, rate in zip(
@@ -202,6 +204,21 @@ class Gathering:
         late = [joint for joint in self._all if not self._assembly.fresh[joint]]
         never = [joint for joint in late if self._assembly.newest[joint] is None]
         return [self._names[joint] for joint in never or late], bool(never)
+
+    def _note_delay(self, joints: Sequence[int], delay_ns: int) -> None:
+        for joint in joints:
+            self._delays[joint] = min(delay_ns, self._delays.get(joint, delay_ns))
+
+    def delays(self) -> Optional[Dict[str, int]]:
+        """
+        Return by how much stamps are behind the clock here [ns], the least of it for each joint.
+
+        Since the last time all were told; None: some joints have not come by themselves since.
+        """
+        if len(self._delays) < len(self._all):
+            return None
+        delays, self._delays = self._delays, {}
+        return {self._names[joint]: delay for joint, delay in delays.items()}
 
     def disagreements(self) -> List[str]:
         """Return what differs between wheels of a side, in words."""

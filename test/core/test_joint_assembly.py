@@ -80,6 +80,7 @@ def test_messages_that_come_late_with_the_right_stamp_turn_nothing(late_ms, peri
     for sample in samples[1:]:
         left, right = sample.positions
         assert left == pytest.approx(right, abs=1e-9)
+        assert sample.rates[0] == pytest.approx(sample.rates[1], abs=1e-9)
 
 
 @pytest.mark.parametrize('apart_ms', [-50_000, 50_000])

@@ -59,3 +59,17 @@ def test_what_the_publisher_told_that_takes_the_place_of_a_rival_is_not_counted_
         gathered += filter(None, [gathering.after(spoken, spoken.now_ns) for spoken in told])
     assert gathered[99].positions == pytest.approx((9.9, 9.9))
     assert 9.9 <= gathered[100].positions[0] < 10.5
+
+
+@pytest.mark.parametrize('apart_ms', [0, 200, 50_000])
+def test_by_how_much_stamps_of_joints_are_apart_is_told_whatever_the_period(apart_ms):
+    """One that comes half a period after the other has the same clock."""
+    gathering = Gathering(TWO, 0.0)
+    assert gathering.delays() is None
+    for step in range(5):
+        at_ns = 1000 * MS * step
+        gathering.after(Spoken('', (0,), 1 + step, at_ns, (0.0,)), at_ns - 5 * MS)
+        gathering.after(
+            Spoken('', (1,), 1 + step, at_ns + 500 * MS, (0.0,)), at_ns + (495 - apart_ms) * MS)
+    assert gathering.delays() == {'l': 5 * MS, 'r': (5 + apart_ms) * MS}
+    assert gathering.delays() is None
