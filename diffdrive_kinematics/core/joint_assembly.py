@@ -17,7 +17,8 @@ Messages that carry only some of the joints, put together by joint.
 
 Joints are measured one after the other.  They make a sample once each has been heard since the
 sample before, at the time of the one that was measured first; where the others were then is
-between the last two things that they said.  So stamps go up, and no motion counts twice.
+between two things that they said, of which those that may still matter are kept.  So stamps go
+up, no motion counts twice, and a joint whose messages come late turns nothing.
 """
 
 import math
@@ -25,7 +26,9 @@ from typing import Collection, Mapping, NamedTuple, Optional, Tuple
 
 __all__ = ['Assembled', 'Assembly', 'JointReading']
 
-STEP_NS = 1_000_000_000  # back: the clock was stepped
+STEP_NS = 1_000_000_000  # back: the clock was stepped; further apart: clocks of their own
+MOST_EARLIER = 500  # readings of a joint
+POSITION, RATE = 1, 2  # in a reading
 
 
 class JointReading(NamedTuple):
@@ -76,14 +79,16 @@ class Assembled(NamedTuple):
 
 class Assembly(NamedTuple):
     """
-    The last two readings of each joint, and which joints came since the last sample.
+    The last readings of each joint, and which joints came since the last sample.
 
     A value: :meth:`after` returns a new one.
 
     Parameters
     ----------
-    newest, before : tuple of (JointReading or None)
-        The last reading of each of n joints, and the one before it; None: there is none.
+    newest : tuple of (JointReading or None)
+        The last reading of each of n joints; None: there is none.
+    earlier : tuple of tuple of JointReading
+        Those before it, back to the time of the last sample, the oldest first.
     fresh : tuple of bool
         Whether each of the joints was heard since the last sample.
 
@@ -104,7 +109,7 @@ class Assembly(NamedTuple):
     """
 
     newest: Tuple[Optional[JointReading], ...]
-    before: Tuple[Optional[JointReading], ...]
+    earlier: Tuple[Tuple[JointReading, ...], ...]
     fresh: Tuple[bool, ...]
 
     @staticmethod
@@ -127,7 +132,7 @@ class Assembly(NamedTuple):
         See :class:`Assembly`.
 
         """
-        return Assembly((None,) * joints, (None,) * joints, (False,) * joints)
+        return Assembly((None,) * joints, ((),) * joints, (False,) * joints)
 
     def without(self, joints: Collection[int]) -> 'Assembly':
         """
@@ -150,11 +155,11 @@ class Assembly(NamedTuple):
         True
 
         """
-        newest, before = (
-            tuple(None if joint in joints else reading for joint, reading in enumerate(readings))
-            for readings in (self.newest, self.before))
-        return Assembly(newest, before, tuple(
-            fresh and joint not in joints for joint, fresh in enumerate(self.fresh)))
+        kept = [joint not in joints for joint in range(len(self.fresh))]
+        return Assembly(
+            tuple(reading if keep else None for reading, keep in zip(self.newest, kept)),
+            tuple(readings if keep else () for readings, keep in zip(self.earlier, kept)),
+            tuple(fresh and keep for fresh, keep in zip(self.fresh, kept)))
 
     def after(
             self, readings: Mapping[int, JointReading]
@@ -187,27 +192,50 @@ class Assembly(NamedTuple):
         See :class:`Assembly`.
 
         """
-        newest, before, fresh = list(self.newest), list(self.before), list(self.fresh)
+        newest, earlier, fresh = list(self.newest), list(self.earlier), list(self.fresh)
         for joint, reading in readings.items():
             last = newest[joint]
             if last is not None and reading.stamp_ns < last.stamp_ns - STEP_NS:
                 return Assembly.of(len(newest)).after(readings)
             if last is None or reading.stamp_ns > last.stamp_ns:
-                newest[joint], before[joint], fresh[joint] = reading, last, True
+                newest[joint], fresh[joint] = reading, True
+                if last is not None:
+                    earlier[joint] = (*earlier[joint], last)[-MOST_EARLIER:]
         if not all(fresh):
-            return Assembly(tuple(newest), tuple(before), tuple(fresh)), None
+            return Assembly(tuple(newest), tuple(earlier), tuple(fresh)), None
         stamp_ns = min(reading.stamp_ns for reading in newest if reading)
-        return Assembly(tuple(newest), tuple(before), (False,) * len(fresh)), Assembled(
-            stamp_ns, tuple(_position_at(stamp_ns, a, b) for a, b in zip(before, newest)),
-            tuple(reading.rate for reading in newest if reading))
+        sample = Assembled(
+            stamp_ns, *(tuple(_value_at(stamp_ns, what, a, b) for a, b in zip(earlier, newest))
+                        for what in (POSITION, RATE)))
+        return Assembly(tuple(newest), tuple(
+            _since(stamp_ns, each) for each in earlier), (False,) * len(fresh)), sample
 
 
-def _position_at(
-        stamp_ns: int, before: Optional[JointReading], newest: Optional[JointReading]) -> float:
-    """Return the position [rad] at a time at or before the newest reading."""
+def _since(stamp_ns: int, earlier: Tuple[JointReading, ...]) -> Tuple[JointReading, ...]:
+    """
+    Return the readings from the last one on that is not newer than a time [ns].
+
+    Where the time is of another clock, so that none is, the last one alone.
+    """
+    if not earlier or earlier[-1].stamp_ns - stamp_ns > STEP_NS:
+        return earlier[-1:]
+    first = 0
+    while first + 1 < len(earlier) and earlier[first + 1].stamp_ns <= stamp_ns:
+        first += 1
+    return earlier[first:]
+
+
+def _value_at(
+        stamp_ns: int, what: int, earlier: Tuple[JointReading, ...],
+        newest: Optional[JointReading]) -> float:
+    """Return the position [rad] or rate [rad/s] at a time at or before the newest reading."""
     if newest is None:
         return math.nan
-    if before is None or math.isnan(before.position) or stamp_ns >= newest.stamp_ns:
-        return newest.position
-    share = (stamp_ns - before.stamp_ns) / (newest.stamp_ns - before.stamp_ns)
-    return before.position + max(0.0, share) * (newest.position - before.position)
+    before, after, *_ = *_since(stamp_ns, earlier), newest, newest
+    old, new = before[what], after[what]
+    if math.isnan(old) or stamp_ns >= newest.stamp_ns:
+        return newest[what]
+    if before.stamp_ns >= stamp_ns:
+        return old
+    share = (stamp_ns - before.stamp_ns) / (after.stamp_ns - before.stamp_ns)
+    return old + share * (new - old)

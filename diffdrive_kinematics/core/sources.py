@@ -33,6 +33,7 @@ from typing import NamedTuple, Optional, Sequence, Tuple
 __all__ = ['Source', 'Sources', 'Spoken']
 
 LARGEST_GAP = 100  # messages that are lost without a silence; who is further ahead is another one
+FASTEST_NS = 500_000  # between messages: what a silence may have swallowed
 TAKEOVER_NS = 500_000_000  # of silence, where a single publisher is known
 CONTESTED_TAKEOVER_NS = 2_000_000_000  # of silence, where two have spoken in turn
 CONTEST_NS = 5_000_000_000  # for which it is reported after the last sign of it
@@ -137,9 +138,9 @@ class Source(NamedTuple):
             return 0
         if not spoken.number or not last.number:
             return 1
-        ahead = spoken.number - last.number
+        ahead, silent = spoken.number - last.number, self.silent(spoken.now_ns)
         return ahead if 0 < ahead and (
-            ahead <= LARGEST_GAP or self.silent(spoken.now_ns) > TAKEOVER_NS) else 0
+            ahead <= LARGEST_GAP + silent // FASTEST_NS or silent > TAKEOVER_NS) else 0
 
     def parted(self, spoken: Spoken) -> 'Tuple[Source, ...]':
         """
@@ -394,10 +395,20 @@ class Sources(NamedTuple):
         return abs(now_ns - self.contested_ns) < CONTEST_NS
 
     def _source_of(self, spoken: Spoken) -> Optional[Source]:
-        """Return the source that a message belongs to: the one whose number it follows."""
-        found = [(ahead, source.distance(spoken), place)
+        """
+        Return the source that a message belongs to: the one whose number it follows.
+
+        One that has lost its place by its silence is only asked where no other one fits: a
+        restarted publisher counts past its predecessor.
+        """
+        longest_ns = self._takeover_ns(spoken.now_ns)
+        found = [(source.silent(spoken.now_ns) > longest_ns, ahead, source.distance(spoken), place)
                  for place, source in enumerate(self.known) if (ahead := source.ahead(spoken))]
-        return self.known[min(found)[2]] if found else None
+        return self.known[min(found)[-1]] if found else None
+
+    def _takeover_ns(self, now_ns: int) -> int:
+        """Return after what silence [ns] a source gives way to another one."""
+        return CONTESTED_TAKEOVER_NS if self.contested(now_ns) else TAKEOVER_NS
 
     def _with(self, source: Source, spoken: Spoken) -> Tuple[Source, ...]:
         """Return the known sources with this one as it is now, without those long silent."""
@@ -406,13 +417,14 @@ class Sources(NamedTuple):
             if each.first in self.owners or each.silent(spoken.now_ns) < FORGOTTEN_NS)
         if any(each is source for each in kept):
             return kept
-        return (*kept, source)[-MOST_SOURCES:]
+        spare = [each.first for each in kept if each.first not in self.owners]
+        forgotten = spare[:max(0, len(kept) + 1 - MOST_SOURCES)]
+        return (*(each for each in kept if each.first not in forgotten), source)
 
     def _gives_way(self, rival: Source, source: Source) -> bool:
         """Tell whether a source that is believed gives way to another one that speaks now."""
         contested = self.contested(source.last.now_ns)
-        if rival.silent(source.last.now_ns) > (
-                CONTESTED_TAKEOVER_NS if contested else TAKEOVER_NS):
+        if rival.silent(source.last.now_ns) > self._takeover_ns(source.last.now_ns):
             return True
         if not contested and source.first is source.last and source.first.tag not in (
                 '', rival.first.tag):

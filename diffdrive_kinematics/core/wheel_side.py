@@ -113,7 +113,8 @@ class SideTrack(NamedTuple):
     changes : tuple of int
         How often each reading has changed since the comparison before.
     start, start_position, start_other : tuple of float, float, float
-        Readings, position, and position of the other side at that comparison [rad].
+        Readings, position, and position of the other side at that comparison [rad]; a wheel that
+        comes in later has gone as the side has until then.
     disagreement : Disagreement, optional
         What that comparison has shown; None: no difference.
 
@@ -205,7 +206,7 @@ class SideTrack(NamedTuple):
         used = tuple(a and not b for a, b in zip(heard, self.left_out))
         if not any(used):
             return self, math.nan
-        track = self if used == self.used else self._regrouped(used, other)
+        track = self if used == self.used else self._regrouped(used)
         position = track._position_of(readings)
         return track._with(readings, heard, position)._compared(heard, other)
 
@@ -224,7 +225,8 @@ class SideTrack(NamedTuple):
             changes=tuple(count + (new != old) for count, new, old in zip(
                 self.changes, known, self.readings)),
             offsets=self._offsets(known, position, fresh_only=True),
-            start=tuple(new if old != old else old for new, old in zip(known, self.start)))
+            start=tuple(new - (position - self.start_position) if hear and old != old else old
+                        for new, old, hear in zip(known, self.start, heard)))
 
     def _offsets(self, readings: Floats, position: float, *, fresh_only: bool) -> Floats:
         """Return the offsets with those of the wheels in use that make the position [rad]."""
@@ -232,15 +234,16 @@ class SideTrack(NamedTuple):
             position - reading if use and (not fresh_only or offset != offset) else offset
             for reading, offset, use in zip(readings, self.offsets, self.used))
 
-    def _regrouped(self, used: Flags, other: float) -> 'SideTrack':
+    def _regrouped(self, used: Flags) -> 'SideTrack':
         """Return the track for other wheels in use, which go on from where the side is."""
-        return self._anew(other)._replace(
+        return self._replace(
             used=used, offsets=self._offsets(self.readings, self.position, fresh_only=False))
 
-    def _anew(self, other: float) -> 'SideTrack':
-        """Return the track with a comparison that begins here."""
+    def _anew(self, heard: Flags, other: float) -> 'SideTrack':
+        """Return the track with a comparison that begins here, for the others where they come."""
         return self._replace(
-            changes=(0,) * len(self.changes), start=self.readings,
+            changes=(0,) * len(self.changes), start=tuple(
+                reading if hear else math.nan for reading, hear in zip(self.readings, heard)),
             start_position=self.position, start_other=other)
 
     def _compared(self, heard: Flags, other: float) -> 'Tuple[SideTrack, float]':
@@ -258,7 +261,7 @@ class SideTrack(NamedTuple):
         track = self._replace(disagreement=disagreement)
         if left_out != self.left_out:
             track = track._without(left_out, heard, travels)
-        return track._anew(other), track.position
+        return track._anew(heard, other), track.position
 
     def _judged(
             self, travels: Floats, known: Sequence[float], other: float) -> Tuple[bool, Flags]:

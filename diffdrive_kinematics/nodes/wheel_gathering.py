@@ -55,7 +55,7 @@ class Gathering:
     def __init__(self, joints: WheelJoints, period: float) -> None:
         self._names, self._left = joints.all_names(), len(joints.names[0])
         self._all = tuple(range(len(self._names)))
-        self._fresh_track = PositionTrack(period)
+        self._fresh_track, self._wraps = PositionTrack(period), bool(period)
         self.sources = Sources()
         self._shifts: Dict[Tuple[object, ...], Dict[int, float]] = {}
         self._tags: Dict[int, str] = {}
@@ -63,6 +63,7 @@ class Gathering:
         self._assembly = Assembly.of(len(self._all))
         self._begin_anew(())
         self.left_out, self.last_left_out = 0, ''
+        self._delays: Dict[int, int] = {}  # of messages with some of the joints [ns]
         self.waiting_since_ns: Optional[int] = None
         self.incomplete = 0  # messages that had to wait for others
 
@@ -97,6 +98,7 @@ class Gathering:
             self._assembly = Assembly.of(len(self._all))
             rates: Sequence[float] = spoken.rates
         else:
+            self._note_delay(spoken.joints, spoken.now_ns - stamp_ns)
             nothing = (math.nan,) * len(spoken.joints)
             self._assembly, sample = self._assembly.after({
                 joint: JointReading(stamp_ns, position, rate) for joint, position, rate in zip(
@@ -115,7 +117,12 @@ class Gathering:
         return Gathered(stamp_ns, *self._motion(stamp_ns, positions, rates), source)
 
     def _positions(self, spoken: Spoken) -> Tuple[float, ...]:
-        """Return positions without wraps that go on from those of the publisher before."""
+        """
+        Return positions without wraps that go on from those of the publisher before.
+
+        Where that one is gone, they go on from the first ones heard, believed or not; which way
+        they have gone since is not known where they wrap.
+        """
         owner = next(each for each in self.sources.owners if each.joints == spoken.joints)
         goes_on = all(self._tags.get(joint) == spoken.tag for joint in spoken.joints)
         if not goes_on:
@@ -125,10 +132,13 @@ class Gathering:
         if len(self._shifts) > len(self.sources.known):
             kept = {each.first[:4] for each in self.sources.known}
             self._shifts = {key: value for key, value in self._shifts.items() if key in kept}
+        heard = spoken if self._wraps or self.sources.contested(spoken.now_ns) else owner
         return tuple(
-            self._follow(joint, position + shift.setdefault(joint, self._shift(joint, position)))
+            self._follow(joint, position + shift.setdefault(
+                joint, self._shift(joint, first if is_sane(first) else position)))
             if is_sane(position) else position
-            for joint, position in zip(spoken.joints, spoken.positions))
+            for joint, position, first in zip(
+                spoken.joints, spoken.positions, heard.positions or spoken.positions))
 
     def _shift(self, joint: int, position: float) -> float:
         """Return what makes the first position [rad] of a publisher the last one before it."""
@@ -175,8 +185,11 @@ class Gathering:
         seconds = (stamp_ns - self._turned_ns) / 1e9
         self._turned_ns = stamp_ns
         if 0.0 < seconds <= LONGEST_HELD:
+            means = self._halves(rates, [True] * len(rates))  # for those that say nothing
+            speeds = [rate if is_sane(rate) else means[joint >= self._left]
+                      for joint, rate in enumerate(rates)]
             self._turned = [angle + rate * seconds if is_sane(rate) else angle
-                            for angle, rate in zip(self._turned, rates)]
+                            for angle, rate in zip(self._turned, speeds)]
         return [angle if is_sane(rate) else math.nan for angle, rate in zip(self._turned, rates)]
 
     def _note_left_out(self, what: str, values: Sequence[float]) -> None:
@@ -191,6 +204,21 @@ class Gathering:
         late = [joint for joint in self._all if not self._assembly.fresh[joint]]
         never = [joint for joint in late if self._assembly.newest[joint] is None]
         return [self._names[joint] for joint in never or late], bool(never)
+
+    def _note_delay(self, joints: Sequence[int], delay_ns: int) -> None:
+        for joint in joints:
+            self._delays[joint] = min(delay_ns, self._delays.get(joint, delay_ns))
+
+    def delays(self) -> Optional[Dict[str, int]]:
+        """
+        Return by how much stamps are behind the clock here [ns], the least of it for each joint.
+
+        Since the last time all were told; None: some joints have not come by themselves since.
+        """
+        if len(self._delays) < len(self._all):
+            return None
+        delays, self._delays = self._delays, {}
+        return {self._names[joint]: delay for joint, delay in delays.items()}
 
     def disagreements(self) -> List[str]:
         """Return what differs between wheels of a side, in words."""

@@ -22,6 +22,7 @@ from diffdrive_kinematics.nodes.wheel_messages import WheelReader
 
 __all__ = ['WheelWatch']
 
+MOST_APART_NS = 250_000_000  # of the delays of joints whose clocks agree
 GRACE_NS = 1_000_000_000  # for messages with the other joints
 REMEDY = (
     'one of them is believed, the others are ignored: let one node publish these joints, and '
@@ -46,7 +47,7 @@ class WheelWatch:
     def __init__(self, node: Any, reader: WheelReader, topic: str) -> None:
         self._node, self._gathering, self._reader = node, reader.gathering, reader
         self._topic = node.resolve_topic_name(topic)
-        self._contest, self._silent = '', ''
+        self._contest, self._silent, self._apart = '', '', ''
         self._disagreements: List[str] = []
         self._left_out = self._told_left_out = self._told_incomplete = 0
         node.every(LOOK_RATE, self._look)
@@ -55,6 +56,7 @@ class WheelWatch:
         now_ns = self._node.now_ns()
         self._look_at_publishers(now_ns)
         self._look_at_missing_joints(now_ns)
+        self._look_at_stamps()
         self._look_at_wheels()
 
     def _look_at_publishers(self, now_ns: int) -> None:
@@ -82,6 +84,22 @@ class WheelWatch:
             self._silent = f"nothing heard of {missing!r} on '{self._topic}', of the others it is"
             self._node.get_logger().warning(self._silent)
 
+    def _look_at_stamps(self) -> None:
+        delays = self._gathering.delays()
+        if delays is None:
+            return
+        first, last = min(delays, key=delays.__getitem__), max(delays, key=delays.__getitem__)
+        apart_ns = delays[last] - delays[first]
+        if apart_ns <= MOST_APART_NS:
+            self._apart = ''
+            return
+        told, self._apart = self._apart, (
+            f"stamps of {last!r} on '{self._topic}' are {apart_ns / 1e9:.3f} s behind those of "
+            f'{first!r}, so what the wheels say is not of one time: has each board a clock of '
+            'its own?')
+        if not told:
+            self._node.get_logger().warning(self._apart)
+
     def _look_at_wheels(self) -> None:
         gathering = self._gathering
         self._left_out = gathering.left_out - self._told_left_out
@@ -106,7 +124,7 @@ class WheelWatch:
 
     def troubles(self) -> List[Trouble]:
         """Return what is wrong, for diagnostics."""
-        texts = [self._contest, self._silent]
+        texts = [self._contest, self._silent, self._apart]
         if self._left_out:
             texts.append(self._left_out_text())
         if self._disagreements:

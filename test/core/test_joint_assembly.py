@@ -16,7 +16,7 @@
 
 import math
 
-from diffdrive_kinematics.core.joint_assembly import Assembly, JointReading
+from diffdrive_kinematics.core.joint_assembly import Assembly, JointReading, MOST_EARLIER
 from hypothesis import given, strategies
 import pytest
 
@@ -52,8 +52,7 @@ def test_joints_that_turn_steadily_are_where_they_were_at_the_stamp(steps):
     assert stamps == sorted(set(stamps))
     for sample in samples:
         for position, rate in zip(sample.positions, rates):
-            ahead = position / rate - sample.stamp_ns / MS
-            assert ahead >= -1e-6  # where it has spoken twice since, it is ahead, and not counted
+            assert position / rate == pytest.approx(sample.stamp_ns / MS, abs=1e-6)
     spoken = {joint: max(at for who, at, _ in messages if who == joint) for joint in range(3)}
     assert not samples or stamps[-1] <= min(spoken.values()) * MS
 
@@ -65,6 +64,44 @@ def test_of_joints_that_take_turns_none_is_ahead_of_the_others():
     for sample in samples[1:]:
         assert sample.positions[0] == pytest.approx(sample.positions[1], abs=1e-9)
         assert sample.positions[0] == pytest.approx(sample.stamp_ns / MS / 100, abs=1e-9)
+
+
+@pytest.mark.parametrize('late_ms', [0, 10, 30, 60, 100, 400])
+@pytest.mark.parametrize('period_ms', [1, 5, 20])
+def test_messages_that_come_late_with_the_right_stamp_turn_nothing(late_ms, period_ms):
+    """Two boards of a robot that speeds up straight ahead."""
+    messages = []
+    for stamp_ms in range(0, 2000, period_ms):
+        way = 0.5 * (stamp_ms / 1e3) ** 2
+        messages.append((stamp_ms, (0, stamp_ms, way)))
+        messages.append((stamp_ms + late_ms + 0.5, (1, stamp_ms, way)))
+    samples = assembled([message for _, message in sorted(messages)])
+    assert len(samples) >= (2000 - late_ms) // period_ms - 1
+    for sample in samples[1:]:
+        left, right = sample.positions
+        assert left == pytest.approx(right, abs=1e-9)
+        assert sample.rates[0] == pytest.approx(sample.rates[1], abs=1e-9)
+
+
+@pytest.mark.parametrize('apart_ms', [-50_000, 50_000])
+def test_joints_with_clocks_of_their_own_go_on_all_the_same(apart_ms):
+    messages = []
+    for step in range(200):
+        messages.append((0, 60_000 + 20 * step, 0.1 * step))
+        messages.append((1, 60_000 + apart_ms + 20 * step, 0.1 * step))
+    samples = assembled(messages)
+    assert len(samples) == 200
+    for step, sample in enumerate(samples):
+        assert sample.positions == pytest.approx((0.1 * step,) * 2, abs=0.11)
+
+
+def test_what_is_kept_of_a_joint_is_little_however_long_another_one_is_silent():
+    assembly, _ = Assembly.of(2).after({0: JointReading(0, 0.0), 1: JointReading(0, 0.0)})
+    for step in range(1, 5000):
+        assembly, _ = assembly.after({0: JointReading(step * MS, 1.0 * step)})
+        assert len(assembly.earlier[0]) <= MOST_EARLIER
+    _, sample = assembly.after({1: JointReading(4800 * MS, 7.0)})
+    assert sample.positions == pytest.approx((4800.0, 7.0))
 
 
 def test_a_joint_that_is_silent_holds_up_the_others_and_loses_nothing():

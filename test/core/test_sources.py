@@ -16,7 +16,7 @@
 
 import random
 
-from diffdrive_kinematics.core.sources import Sources, Spoken
+from diffdrive_kinematics.core.sources import MOST_SOURCES, Sources, Spoken
 import pytest
 
 BOTH = (0, 1)
@@ -161,6 +161,70 @@ def test_what_was_lost_in_a_long_silence_makes_no_other_publisher():
     messages += [driver('D', 20 * step, 0.1 * step, 1 + step) for step in range(5000, 5050)]
     sources, believed = told(messages)
     assert believed == 100 * 'D' and len(sources.known) == 1
+
+
+@pytest.mark.parametrize('rate', [0.0, 5.0])
+@pytest.mark.parametrize('down', [100, 300, 600, 1000, 1500, 3000])
+@pytest.mark.parametrize('life', [600, 1000, 3000, 4000])
+def test_a_restarted_driver_that_counts_past_its_predecessor_is_not_taken_for_it(
+        life, down, rate):
+    def run(who, begin, end):
+        return [driver(who, at, rate * (at - begin) / 1e3, 1 + (at - begin) // 20)
+                for at in range(begin, end, 20)]
+
+    again = life + down
+    sources, believed = told(run('A', 0, life) + run('B', again, again + 9000))
+    first = believed[life // 20:]
+    assert len(first.lstrip('.')) >= 450 - 25 and '.' not in first.lstrip('.')
+    owner, = sources.owners
+    assert owner.now_ns == again * MS
+    assert sources.contested_ns < 0
+
+
+def test_a_slow_publisher_of_zeros_is_not_taken_for_the_driver_whose_number_it_meets():
+    messages = []
+    for step in range(500):
+        messages.append(driver('D', 100 * step, 0.5 * step, 901 + step))
+        if step % 12 == 7:
+            messages.append(driver('z', 100 * step + 50, 0.0, 1200 + step // 12))
+    _, believed = told(messages)
+    assert believed.replace('.', '') == 500 * 'D'
+
+
+def test_zeros_that_begin_with_the_driver_and_with_its_number_are_told_by_what_they_say():
+    """The driver moves at once: its second message is as far from both."""
+    messages = in_turn(1, 1, seconds=2)
+    messages[1:1] = [driver('z', 9, 0.0, 1)]
+    messages = [(who, spoken._replace(number=spoken.number + (who == 'z' and at > 1)))
+                for at, (who, spoken) in enumerate(messages)]
+    sources, believed = told(messages)
+    assert believed.replace('.', '') == 100 * 'D'
+    assert [each.moved for each in sources.known] == [True, False]
+
+
+def test_however_many_strangers_speak_the_one_believed_is_not_forgotten():
+    messages = [driver('D', 0, 0.0, 1), driver('D', 20, 1.0, 2)]
+    messages += [driver('s', 30 + step, 0.0, 5000 - 200 * step) for step in range(20)]
+    messages += [driver('D', 60, 2.0, 3)]
+    sources, believed = told(messages)
+    assert believed == 'DD' + 20 * '.' + 'D'
+    assert len(sources.known) == MOST_SOURCES
+
+
+@pytest.mark.parametrize('hertz', [50, 250, 1000, 2000])
+@pytest.mark.parametrize('stall', [0.12, 0.3, 0.45, 0.7])
+def test_what_a_queue_loses_while_the_listener_stalls_makes_no_other_publisher(hertz, stall):
+    """The queue keeps the last 100 messages; they come all at once."""
+    period_ns, messages = 10**9 // hertz, []
+    lost = range(hertz, hertz + max(0, int(stall * hertz) - 100))
+    for step in range(2 * hertz):
+        at_ns = period_ns * step
+        if 1.0 <= step / hertz < 1.0 + stall:
+            at_ns = int(1e9 * (1.0 + stall))
+        if step not in lost:
+            messages.append(('D', Spoken('', BOTH, 1 + step, at_ns, (0.005 * step,) * 2)))
+    sources, believed = told(messages)
+    assert '.' not in believed and len(sources.known) == 1
 
 
 def test_messages_of_which_only_the_last_one_is_told_are_no_gap():

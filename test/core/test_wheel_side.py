@@ -140,6 +140,33 @@ def test_of_three_wheels_the_one_that_differs_from_the_median_is_left_out(wrong)
     assert positions[-1] == pytest.approx(19.9, abs=1e-9)
 
 
+@pytest.mark.parametrize('every', [2, 5, 9, 20])
+@pytest.mark.parametrize('wheels', [2, 3])
+def test_a_stuck_encoder_is_found_however_often_its_neighbour_says_nothing(every, wheels):
+    rows = [(NAN if number % every == every - 1 else 0.02 * number, 1.0, 0.02 * number)[:wheels]
+            for number in range(3000)]
+    track, positions = played(rows, [0.02 * number for number in range(3000)])
+    assert track.left_out[1] and track.disagreement
+    ways = [position for position in positions if position == position]
+    assert ways[-1] - ways[0] == pytest.approx(0.02 * 2999, abs=0.05)
+
+
+@given(strategies.lists(strategies.floats(0.01, 0.3), min_size=20, max_size=80), strategies.data())
+def test_a_wheel_that_comes_in_is_compared_by_what_it_goes_from_there_on(steps, data):
+    """Rates are summed up while they are heard only, positions go on meanwhile."""
+    angle, rows = 0.0, []
+    first = data.draw(strategies.integers(0, len(steps)))
+    silent = data.draw(strategies.integers(0, len(steps)))
+    for number, step in enumerate(steps):
+        angle += step
+        rows.append((angle, angle - 7.0, NAN if number < first else angle + 90.0,
+                     NAN if silent <= number < silent + 15 else angle))
+    track = SideTrack.starting_at(rows[0])
+    for row in rows[1:]:
+        track, _ = track.followed(row, row[0])
+        assert track.disagreement is None
+
+
 @pytest.mark.parametrize('share, differs', [
     (1.0 - SHARE - 0.02, True), (1.0 - SHARE + 0.02, False)])
 def test_of_two_wheels_that_both_turn_differently_the_mean_counts_and_it_is_told(share, differs):

@@ -162,6 +162,20 @@ def test_messages_that_carry_one_wheel_each_are_put_together_by_joint(graph):
     assert 'refused' not in wheels.base.output
 
 
+def test_boards_with_clocks_of_their_own_are_reported(graph):
+    wheels = Wheels(graph, BASE)
+
+    def going_on():
+        for joint, apart_ns in zip(PAIR, (0, 50 * 10**9)):
+            wheels.now_ns += STEP_NS + apart_ns
+            wheels.say([joint], [0.0])
+            wheels.now_ns -= apart_ns
+        return "stamps of 'left_wheel_joint' on '/wheel_rates' are 50." in wheels.base.output
+
+    graph.wait_for(going_on, 'a report')
+    wheels.wait_for_report("stamps of 'left_wheel_joint'", 'a clock of its own')
+
+
 def test_messages_of_the_front_and_of_the_rear_wheels_are_put_together(graph):
     wheels = Wheels(graph, FOUR)
     for number in range(80):
