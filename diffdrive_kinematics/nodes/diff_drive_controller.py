@@ -158,10 +158,8 @@ class DiffDriveController(DiffDriveNode[Config]):
 
     def _end_early(self, now_ns: int, age_ns: int) -> None:
         """Let a command that was long on its way end a timeout after it was sent."""
-        drive = self._drive
-        if drive.deadline_ns is not None:
-            end_ns = now_ns - age_ns + round(drive.settings.cmd_vel_timeout * 1e9)
-            self._drive = drive._replace(deadline_ns=min(end_ns, drive.deadline_ns))
+        timeout_ns = round(self.config.drive.cmd_vel_timeout * 1e9)
+        self._drive = self._drive.ended_by(now_ns - age_ns + timeout_ns)
 
     def _tick(self) -> None:
         now_ns = self._synchronised_now()
@@ -208,8 +206,8 @@ class DiffDriveController(DiffDriveNode[Config]):
         self._hear_backlog()
         if self._drive.deadline_ns != deadline_ns:
             return
-        end_ns = max(self._synchronised_now(), deadline_ns or 0)
-        self._drive, changes = self._drive.advanced(end_ns)
+        now_ns = self._synchronised_now()
+        self._drive, changes = self._drive.ended_by(now_ns).advanced(now_ns)
         self._tell(changes)
 
     def on_clock_look(self, stood_s: float) -> None:
@@ -266,11 +264,13 @@ class DiffDriveController(DiffDriveNode[Config]):
         return now_ns
 
     def _configure(self, config: Config) -> None:
+        timeout = self._drive.settings.cmd_vel_timeout
         self._intake.configure(config.values)
         self._drive, changes = self._drive.configured(config.drive, self._synchronised_now())
         self._tell(changes)
         self._timer = self.retimed(self._timer, config.drive.publish_rate, self._tick)
-        self._set_watchdog(config.drive.cmd_vel_timeout)
+        if timeout != config.drive.cmd_vel_timeout:  # else what is silent goes on to be
+            self._set_watchdog(config.drive.cmd_vel_timeout)
 
     def _report_other_type(self) -> None:
         """Say so where commands are published in the type that is not listened to."""
