@@ -1,0 +1,111 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The controller in this process, on a clock that is set: what it tells, and with which stamps."""
+
+from diffdrive_kinematics.nodes.clocks import SteppedClock
+from diffdrive_kinematics.nodes.diff_drive_controller import DiffDriveController
+from domain_coordinator import domain_id
+from graph import twist
+import pytest
+import rclpy
+from rclpy.parameter import Parameter
+from rclpy.serialization import deserialize_message, serialize_message
+from sensor_msgs.msg import JointState
+
+S = 10**9
+STEP = S // 100
+SPEED = 0.2  # [m/s]
+RAMPS = {'linear.x.max_acceleration': 0.5}
+
+
+class Robot:
+    """A controller whose time goes on when it is told to."""
+
+    def __init__(self, **parameters):
+        given = {'wheel_radius': 0.021, 'wheel_separation': 0.0885, **parameters}
+        rclpy.init(args=['--ros-args', *(
+            argument for name, value in given.items() for argument in ('-p', f'{name}:={value}'))])
+        self.clock = SteppedClock()
+        self.clock.advance_to(100 * S)
+        self.node = DiffDriveController(stepped=self.clock)
+        self.told = []
+        self.node._send_wheels = lambda data: self.told.append(
+            deserialize_message(data, JointState))
+
+    def command(self, v):
+        self.node._on_command(serialize_message(twist(v, 0.0)))
+
+    def set(self, **parameters):
+        results = self.node.set_parameters([
+            Parameter(name.replace('__', '.'), value=value) for name, value in parameters.items()])
+        assert all(result.successful for result in results), results
+
+    def wait(self, seconds, command=None):
+        """Let time pass; with a command it is given in each step."""
+        for _ in range(round(seconds * S / STEP)):
+            self.clock.advance_to(self.clock.now_ns() + STEP)
+            if command is not None:
+                self.command(command)
+            for timer in self.clock.due():
+                self.clock.fire(timer)
+
+    def speed(self):
+        return self.told[-1].velocity[0] * 0.021
+
+    def latest_ns(self):
+        return max(
+            message.header.stamp.sec * S + message.header.stamp.nanosec for message in self.told)
+
+
+@pytest.fixture
+def robot():
+    robots = []
+
+    def make(**parameters):
+        robots.append(Robot(**parameters))
+        return robots[-1]
+
+    with domain_id():
+        yield make
+        for each in robots:
+            each.node.destroy_node()
+        rclpy.try_shutdown()
+
+
+@pytest.mark.parametrize('timeout', [0.0, 20.0])
+@pytest.mark.parametrize('limits', [{}, RAMPS], ids=['', 'ramps'])
+def test_a_shorter_timeout_ends_the_live_command_in_time_and_what_follows_is_obeyed(
+        robot, timeout, limits):
+    driven = robot(cmd_vel_timeout=timeout, **limits)
+    driven.wait(1.0, SPEED)
+    assert driven.speed() == pytest.approx(SPEED)
+    driven.set(cmd_vel_timeout=0.5)
+    driven.wait(0.45)
+    assert driven.speed() == pytest.approx(SPEED)
+    driven.wait(1.0)
+    assert driven.speed() == 0.0 and driven.latest_ns() <= driven.clock.now_ns()
+    driven.wait(1.0, -SPEED)
+    assert driven.speed() == pytest.approx(-SPEED)
+    driven.wait(1.0, 0.0)
+    assert driven.speed() == 0.0 and driven.latest_ns() <= driven.clock.now_ns()
+
+
+def test_another_parameter_that_is_set_does_not_put_the_timeout_off(robot):
+    driven = robot(publish_rate=0.01)
+    driven.wait(0.1, SPEED)
+    driven.wait(0.4)
+    driven.set(max_wheel_rate=100.0)
+    driven.wait(0.2)
+    assert driven.speed() == 0.0
