@@ -14,10 +14,11 @@
 
 """The controller in this process, on a clock that is set: what it tells, and with which stamps."""
 
-from diffdrive_kinematics.nodes.clocks import SteppedClock
+from diffdrive_kinematics.nodes import clocks, node as node_module
+from diffdrive_kinematics.nodes.clocks import SteadyTimers, SteppedClock
 from diffdrive_kinematics.nodes.diff_drive_controller import DiffDriveController
 from domain_coordinator import domain_id
-from graph import twist
+from graph import twist, twist_stamped
 import pytest
 import rclpy
 from rclpy.parameter import Parameter
@@ -30,22 +31,48 @@ SPEED = 0.2  # [m/s]
 RAMPS = {'linear.x.max_acceleration': 0.5}
 
 
+class WallClock(SteadyTimers):
+    """Real time, as far as the controller knows: a steady clock and one that can be set."""
+
+    def __init__(self, patch):
+        self._steady_ns, self.ahead_ns = 5 * S, 10**6 * S
+        patch.setattr(clocks.time, 'monotonic_ns', lambda: self._steady_ns)
+        patch.setattr(clocks.time, 'time_ns', lambda: self._steady_ns + self.ahead_ns)
+        patch.setattr(node_module, 'clock_ns', lambda _: self._steady_ns + self.ahead_ns)
+        super().__init__()
+
+    def advance_by(self, time_ns):
+        self._steady_ns += time_ns
+
+
+class SetClock(SteppedClock):
+    """Time that is stepped."""
+
+    def __init__(self, _):
+        super().__init__()
+        self.advance_to(100 * S)
+
+    def advance_by(self, time_ns):
+        self.advance_to(self.now_ns() + time_ns)
+
+
 class Robot:
     """A controller whose time goes on when it is told to."""
 
-    def __init__(self, **parameters):
+    def __init__(self, patch, clock=SetClock, **parameters):
         given = {'wheel_radius': 0.021, 'wheel_separation': 0.0885, **parameters}
         rclpy.init(args=['--ros-args', *(
             argument for name, value in given.items() for argument in ('-p', f'{name}:={value}'))])
-        self.clock = SteppedClock()
-        self.clock.advance_to(100 * S)
-        self.node = DiffDriveController(stepped=self.clock)
+        self.clock = clock(patch)
+        self.node = DiffDriveController(**{
+            'stepped' if clock is SetClock else 'timers': self.clock})
         self.told = []
         self.node._send_wheels = lambda data: self.told.append(
             deserialize_message(data, JointState))
 
-    def command(self, v):
-        self.node._on_command(serialize_message(twist(v, 0.0)))
+    def command(self, v, stamp_ns=None):
+        self.node._on_command(serialize_message(
+            twist(v, 0.0) if stamp_ns is None else twist_stamped(stamp_ns, v, 0.0)))
 
     def set(self, **parameters):
         results = self.node.set_parameters([
@@ -55,7 +82,7 @@ class Robot:
     def wait(self, seconds, command=None):
         """Let time pass; with a command it is given in each step."""
         for _ in range(round(seconds * S / STEP)):
-            self.clock.advance_to(self.clock.now_ns() + STEP)
+            self.clock.advance_by(STEP)
             if command is not None:
                 self.command(command)
             for timer in self.clock.due():
@@ -70,11 +97,11 @@ class Robot:
 
 
 @pytest.fixture
-def robot():
+def robot(monkeypatch):
     robots = []
 
-    def make(**parameters):
-        robots.append(Robot(**parameters))
+    def make(*clock, **parameters):
+        robots.append(Robot(monkeypatch, *clock, **parameters))
         return robots[-1]
 
     with domain_id():
@@ -108,4 +135,39 @@ def test_another_parameter_that_is_set_does_not_put_the_timeout_off(robot):
     driven.wait(0.4)
     driven.set(max_wheel_rate=100.0)
     driven.wait(0.2)
+    assert driven.speed() == 0.0
+
+
+@pytest.mark.parametrize('step', [-S // 50, -S * 3 // 10, -S * 9 // 10, -3600 * S])
+@pytest.mark.parametrize('limits', [{}, {'linear.x.max_acceleration': 2.0}], ids=['', 'ramps'])
+def test_a_wall_clock_that_is_set_back_does_not_put_off_the_end_of_a_command(robot, step, limits):
+    driven = robot(WallClock, **limits)
+    driven.wait(1.0, SPEED)
+    assert driven.speed() == pytest.approx(SPEED)
+    driven.clock.ahead_ns += step
+    driven.wait(0.45)
+    assert driven.speed() == pytest.approx(SPEED)
+    driven.wait(0.1 + (0.12 if limits else 0.0))
+    assert driven.speed() == 0.0
+
+
+def test_a_wall_clock_that_is_set_back_does_not_put_off_a_stop_in_mid_ramp(robot):
+    driven = robot(WallClock, **RAMPS)
+    driven.wait(0.2, SPEED)
+    driven.clock.ahead_ns -= S * 9 // 10
+    driven.wait(0.25, 0.0)
+    assert driven.speed() == 0.0
+
+
+@pytest.mark.parametrize('step', [-S * 3 // 10, -S * 8 // 10])
+def test_stamped_commands_are_obeyed_at_once_when_the_wall_clock_was_set_back(robot, step):
+    driven = robot(WallClock, enable_stamped_cmd_vel=True)
+    driven.wait(0.1)
+    driven.command(SPEED, clocks.time.time_ns())
+    driven.clock.ahead_ns += step
+    driven.wait(0.01)
+    driven.command(2.0 * SPEED, clocks.time.time_ns())
+    assert driven.speed() == pytest.approx(2.0 * SPEED)
+    driven.wait(0.01)
+    driven.command(0.0, clocks.time.time_ns())
     assert driven.speed() == 0.0
