@@ -38,7 +38,6 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64MultiArray
 
 REST = (0.0, 0.0)
-STANDS_S = 0.2  # for which a simulated clock has stood where ramps cannot wait for it
 TYPE_CHECK_PERIOD_NS = 2_000_000_000
 MOST_WATCHDOG_CALLS = 1000.0  # [Hz]
 
@@ -218,8 +217,8 @@ class DiffDriveController(DiffDriveNode[Config]):
         if 0.0 < timeout < min(stood_s, silent_s) and drive.target != STILL:
             self._drive = drive._replace(timeouts=drive.timeouts + 1)
             self._halt()
-        elif stood_s > STANDS_S and drive.rates == REST and self._told_ns >= 0:
-            self._halt()  # ticks do not repeat it
+        elif drive.rates == REST and self._told_ns >= 0 and self.clock_stands():
+            self._tell([drive.told(self._synchronised_now())])  # ticks do not repeat it
         else:
             self._obey_without_clock()
 
@@ -229,7 +228,7 @@ class DiffDriveController(DiffDriveNode[Config]):
 
         Ramps cannot go on then: what asks for more is held back, what asks for less is not met.
         """
-        if _exceeds(self._drive.twist, self._drive.target) and self.clock_stood_s() > STANDS_S:
+        if _exceeds(self._drive.twist, self._drive.target) and self.clock_stands():
             self._halt()
 
     def _halt(self) -> None:

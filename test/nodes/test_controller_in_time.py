@@ -21,8 +21,10 @@ from domain_coordinator import domain_id
 from graph import twist, twist_stamped
 import pytest
 import rclpy
+from rclpy.clock_type import ClockType
 from rclpy.parameter import Parameter
 from rclpy.serialization import deserialize_message, serialize_message
+from rclpy.time import Time
 from sensor_msgs.msg import JointState
 
 S = 10**9
@@ -43,6 +45,31 @@ class WallClock(SteadyTimers):
 
     def advance_by(self, time_ns):
         self._steady_ns += time_ns
+
+
+class SlowClock(SteadyTimers):
+    """A simulated clock that is told rarely, by a slow simulator, or stands."""
+
+    EVERY_NS, BY_NS = 33 * STEP, S // 10
+
+    def __init__(self, patch):
+        self._steady_ns, self._simulated_ns, self.node, self.stands = 5 * S, 100 * S, None, False
+        patch.setattr(clocks.time, 'monotonic_ns', lambda: self._steady_ns)
+        patch.setattr(clocks.time, 'monotonic', lambda: self._steady_ns / S)
+        super().__init__()
+        self._tell_at_ns = 0
+
+    def now_ns(self):
+        return self._steady_ns
+
+    def advance_by(self, time_ns):
+        self._steady_ns += time_ns
+        if self._steady_ns >= self._tell_at_ns and not self.stands:
+            self._tell_at_ns = self._steady_ns + self.EVERY_NS
+            self._simulated_ns += self.BY_NS
+            self.node.time_clock.set_ros_time_override(
+                Time(nanoseconds=self._simulated_ns, clock_type=ClockType.ROS_TIME))
+            self.node._tick()
 
 
 class SetClock(SteppedClock):
@@ -66,6 +93,7 @@ class Robot:
         self.clock = clock(patch)
         self.node = DiffDriveController(**{
             'stepped' if clock is SetClock else 'timers': self.clock})
+        self.clock.node = self.node
         self.told = []
         self.node._send_wheels = lambda data: self.told.append(
             deserialize_message(data, JointState))
@@ -171,3 +199,38 @@ def test_stamped_commands_are_obeyed_at_once_when_the_wall_clock_was_set_back(ro
     driven.wait(0.01)
     driven.command(0.0, clocks.time.time_ns())
     assert driven.speed() == 0.0
+
+
+def test_a_simulated_clock_that_is_told_rarely_does_not_stand(robot):
+    driven = robot(SlowClock, use_sim_time=True, **RAMPS)
+    driven.wait(8.0, 2.0 * SPEED)
+    assert driven.speed() == pytest.approx(2.0 * SPEED)
+    begun = len(driven.told)
+    driven.wait(6.0, SPEED)
+    speeds = [message.velocity[0] * 0.021 for message in driven.told[begun:]]
+    assert speeds[-1] == pytest.approx(SPEED) and min(speeds) >= SPEED - 1e-9
+    assert max(a - b for a, b in zip(speeds, speeds[1:])) <= 0.5 / 50.0 + 1e-9
+
+
+def test_a_simulated_clock_that_was_told_rarely_and_stands_brings_the_wheels_to_rest(robot):
+    driven = robot(SlowClock, use_sim_time=True, cmd_vel_timeout=0.0, **RAMPS)
+    driven.wait(6.0, SPEED)
+    driven.clock.stands = True
+    driven.wait(1.5, 0.1)
+    assert driven.speed() <= 0.1
+    driven.wait(0.1, 0.0)
+    assert driven.speed() == 0.0
+    told = len(driven.told)
+    driven.wait(1.0, 0.0)
+    assert len(driven.told) > told + 5 and driven.speed() == 0.0  # said again
+
+
+def test_while_a_clock_stands_wheels_at_rest_keep_the_target(robot):
+    driven = robot(SlowClock, use_sim_time=True, cmd_vel_timeout=0.0, max_wheel_rate=10.0,
+                   **{'linear.x.max_velocity': 0.0})
+    driven.wait(2.0, SPEED)
+    driven.clock.stands = True
+    driven.wait(2.0)
+    assert driven.speed() == 0.0
+    driven.set(linear__x__max_velocity=0.1)
+    assert driven.speed() == pytest.approx(0.1)
