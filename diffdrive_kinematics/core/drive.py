@@ -34,7 +34,7 @@ from diffdrive_kinematics.core.limits import AxisLimits
 from diffdrive_kinematics.core.ramp import ramp_step
 from diffdrive_kinematics.core.saturation import saturate, wheel_bound, WheelBound
 
-__all__ = ['Drive', 'DriveSettings', 'DriveTelling', 'Twist']
+__all__ = ['Drive', 'DriveSettings', 'DriveTelling', 'STILL', 'Twist']
 
 NANOSECONDS = 1e9
 

@@ -18,8 +18,9 @@ from dataclasses import dataclass
 import time
 from typing import Any, List, Mapping, Optional, Sequence
 
-from diffdrive_kinematics.core.drive import Drive, DriveSettings, DriveTelling, Twist
-from diffdrive_kinematics.nodes.command_intake import Backlog, CommandIntake, LATE_NS, STILL
+from diffdrive_kinematics.core.drive import (
+    Drive, DriveSettings, DriveTelling, STILL, Twist)
+from diffdrive_kinematics.nodes.command_intake import Backlog, CommandIntake, LATE_NS
 from diffdrive_kinematics.nodes.diagnostics import (
     Diagnosis, heard_values, Look, OK, quiet, slowness, unheard)
 from diffdrive_kinematics.nodes.emergency_stop import EmergencyStop
@@ -102,7 +103,7 @@ class DiffDriveController(DiffDriveNode[Config]):
             'the robot obeys whoever spoke last; put twist_mux between them')
         self._backlog = Backlog(subscription) if real else None
         self._stop = EmergencyStop(
-            self, values['emergency_stop_topic'], self._halt, self._hear_backlog)
+            self, values['emergency_stop_topic'], self._on_stop, self._on_release)
         self._timer = self.every(values['publish_rate'], self._tick)
         self._watchdog: Any = None
         self._set_watchdog(self.config.drive.cmd_vel_timeout)
@@ -230,6 +231,15 @@ class DiffDriveController(DiffDriveNode[Config]):
         """
         if _exceeds(self._drive.twist, self._drive.target) and self.clock_stands():
             self._halt()
+
+    def _on_stop(self) -> None:
+        self._halt()
+        self._intake.none_before(self.now_ns())
+
+    def _on_release(self) -> None:
+        """Have what was commanded up to now behind, whenever it comes."""
+        self._hear_backlog()
+        self._intake.none_before(self._synchronised_now())
 
     def _halt(self) -> None:
         """Bring the wheels to rest at once, whatever the limits and the clock."""

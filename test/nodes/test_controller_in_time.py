@@ -26,6 +26,7 @@ from rclpy.parameter import Parameter
 from rclpy.serialization import deserialize_message, serialize_message
 from rclpy.time import Time
 from sensor_msgs.msg import JointState
+from std_msgs.msg import Bool
 
 S = 10**9
 STEP = S // 100
@@ -234,3 +235,22 @@ def test_while_a_clock_stands_wheels_at_rest_keep_the_target(robot):
     assert driven.speed() == 0.0
     driven.set(linear__x__max_velocity=0.1)
     assert driven.speed() == pytest.approx(0.1)
+
+
+def test_a_command_from_before_an_emergency_stop_does_not_drive_when_it_is_over(robot):
+    driven = robot(enable_stamped_cmd_vel=True, emergency_stop_topic='stop')
+    for over in (False, True):  # from before the stop, and from before its end
+        driven.wait(0.1)
+        before_ns = driven.clock.now_ns()
+        driven.wait(0.01)
+        driven.node._stop._on_topic(Bool(data=True))
+        driven.wait(0.01)
+        if over:
+            before_ns = driven.clock.now_ns()
+            driven.wait(0.01)
+        driven.node._stop._on_topic(Bool(data=False))
+        driven.wait(0.1)
+        driven.command(SPEED, before_ns)
+        assert driven.speed() == 0.0
+    driven.command(SPEED, driven.clock.now_ns())
+    assert driven.speed() == pytest.approx(SPEED)
