@@ -103,7 +103,7 @@ class Robot:
         self.node._on_command(serialize_message(
             twist(v, 0.0) if stamp_ns is None else twist_stamped(stamp_ns, v, 0.0)))
 
-    def set(self, **parameters):
+    def configure(self, **parameters):
         results = self.node.set_parameters([
             Parameter(name.replace('__', '.'), value=value) for name, value in parameters.items()])
         assert all(result.successful for result in results), results
@@ -147,7 +147,7 @@ def test_a_shorter_timeout_ends_the_live_command_in_time_and_what_follows_is_obe
     driven = robot(cmd_vel_timeout=timeout, **limits)
     driven.wait(1.0, SPEED)
     assert driven.speed() == pytest.approx(SPEED)
-    driven.set(cmd_vel_timeout=0.5)
+    driven.configure(cmd_vel_timeout=0.5)
     driven.wait(0.45)
     assert driven.speed() == pytest.approx(SPEED)
     driven.wait(1.0)
@@ -162,7 +162,7 @@ def test_another_parameter_that_is_set_does_not_put_the_timeout_off(robot):
     driven = robot(publish_rate=0.01)
     driven.wait(0.1, SPEED)
     driven.wait(0.4)
-    driven.set(max_wheel_rate=100.0)
+    driven.configure(max_wheel_rate=100.0)
     driven.wait(0.2)
     assert driven.speed() == 0.0
 
@@ -233,7 +233,7 @@ def test_while_a_clock_stands_wheels_at_rest_keep_the_target(robot):
     driven.clock.stands = True
     driven.wait(2.0)
     assert driven.speed() == 0.0
-    driven.set(linear__x__max_velocity=0.1)
+    driven.configure(linear__x__max_velocity=0.1)
     assert driven.speed() == pytest.approx(0.1)
 
 
