@@ -18,8 +18,8 @@ Every limit holds in every step of a drive: ten thousand random drives against l
 
 A drive is random commands and random changes of its settings (limits, also one-sided and NaN, the
 bound and geometry of the wheels, the rate of the ramp, the timeout), and then nothing, until the
-watchdog has it at rest.  Each step is held against ``limit_laws``.  New settings of the wheels hold at once,
-and cut.  A drive is at rest when its limits allow it to be.
+watchdog has it at rest.  Each step is held against ``limit_laws``.  New settings of the wheels
+hold at once, and cut.  A drive is at rest when its limits allow it to be.
 """
 
 from dataclasses import replace
