@@ -34,7 +34,7 @@ from diffdrive_kinematics.core.limits import AxisLimits
 from diffdrive_kinematics.core.ramp import ramp_step
 from diffdrive_kinematics.core.saturation import saturate, wheel_bound, WheelBound
 
-__all__ = ['Drive', 'DriveSettings', 'DriveTelling', 'Twist']
+__all__ = ['Drive', 'DriveSettings', 'DriveTelling', 'STILL', 'Twist']
 
 NANOSECONDS = 1e9
 
@@ -320,6 +320,8 @@ class Drive(NamedTuple):
         """
         Return the drive under new settings from ``now_ns`` on: the same target anew.
 
+        A new timeout counts from then on, but no command ends later than it would have.
+
         Parameters
         ----------
         settings : DriveSettings
@@ -347,8 +349,10 @@ class Drive(NamedTuple):
         """
         drive, changes = self.advanced(now_ns)
         drive = drive._replace(settings=settings)
+        if settings.cmd_vel_timeout != self.settings.cmd_vel_timeout:
+            drive = drive._with_new_timeout(now_ns)
         if drive.step_ns is not None and settings.period_ns != self.settings.period_ns:
-            drive = drive._on_grid_from(now_ns, settings.period_ns / self.settings.period_ns)
+            drive = drive._on_grid_from(now_ns, self.settings.period_ns)
         wheels = settings.geometry, settings.max_wheel_rate
         if settings.ramps and wheels != (self.settings.geometry, self.settings.max_wheel_rate):
             drive, change = drive._on_new_wheels(max(now_ns, drive.since_ns + 1))
@@ -357,6 +361,32 @@ class Drive(NamedTuple):
             drive, change = drive._stepped(max(now_ns, drive.since_ns + 1))
             changes += change
         return drive, changes
+
+    def ended_by(self, time_ns: int) -> 'Drive':
+        """
+        Return the drive whose command ends at a time, where it would go on for longer.
+
+        Parameters
+        ----------
+        time_ns : int
+            The time [ns].
+
+        Returns
+        -------
+        Drive
+            The drive; :meth:`advanced` brakes it.  One without a deadline has none.
+
+        Examples
+        --------
+        >>> drive = Drive(DriveSettings(WheelGeometry(0.5, 0.125)), since_ns=0)
+        >>> drive, _ = drive.commanded(Twist(0.5, 0.0), 1_000_000_000)
+        >>> drive.deadline_ns, drive.ended_by(1_250_000_000).deadline_ns
+        (1500000000, 1250000000)
+
+        """
+        if self.deadline_ns is None or self.deadline_ns <= time_ns:
+            return self
+        return self._replace(deadline_ns=time_ns)
 
     def halted(self, now_ns: int) -> 'Drive':
         """
@@ -445,11 +475,25 @@ class Drive(NamedTuple):
         drive = self._replace(since_ns=time_ns, rates=rates, left=left, right=right)
         return drive, [drive.told(time_ns)]
 
-    def _on_grid_from(self, now_ns: int, ratio: float) -> 'Drive':
-        """Go on ramping with steps of another length, at the acceleration reached."""
+    def _with_new_timeout(self, now_ns: int) -> 'Drive':
+        """Let the live command end a new timeout from now on, or earlier where it did before."""
+        timeout = self.settings.cmd_vel_timeout
+        if not timeout:
+            return self._replace(deadline_ns=None)
+        end_ns = now_ns + round(timeout * NANOSECONDS)
+        if self.deadline_ns is None and self.target != STILL:
+            return self._replace(deadline_ns=end_ns)
+        return self.ended_by(end_ns)
+
+    def _on_grid_from(self, now_ns: int, old_period_ns: int) -> 'Drive':
+        """Go on ramping, a step of another length after the last one, at the acceleration."""
+        assert self.step_ns is not None
+        period_ns = self.settings.period_ns
+        ratio = period_ns / old_period_ns
         before = Twist(self.twist.v - ratio * (self.twist.v - self.before.v),
                        self.twist.w - ratio * (self.twist.w - self.before.w))
-        return self._replace(before=before, step_ns=now_ns + self.settings.period_ns)
+        return self._replace(
+            before=before, step_ns=max(now_ns, self.step_ns - old_period_ns + period_ns))
 
     def _on_new_wheels(self, time_ns: int) -> Tuple['Drive', List[DriveTelling]]:
         """Hold new wheels at once: a twist beyond their bound is cut, and ramps on from there."""

@@ -24,7 +24,8 @@ since a message does not say whose it is; its age is the least that one of them 
   is ahead; its offset is learnt at once.
 * Messages that are old come as a burst, out of a queue, the later ones less old.  Those that come
   late and equally so for a while are sent as they come, by another clock: its offset is learnt.
-* What no message has fitted for a while, where others have fitted another one, is forgotten.
+* What no message has fitted for a while, where others have fitted another one, is forgotten, but
+  for a clock that was given.
 """
 
 from typing import NamedTuple, Optional, Tuple
@@ -77,6 +78,8 @@ class SenderClocks(NamedTuple):
         Age [ns] at which a message is old; clocks are told apart to half of it.
     clocks : tuple of Clock
         The latest last; one of them is known.
+    given_ns : int or None
+        Offset [ns] of a clock that is known beforehand, and not forgotten; None: of none.
 
     Examples
     --------
@@ -95,6 +98,7 @@ class SenderClocks(NamedTuple):
 
     timeout_ns: int
     clocks: Tuple[Clock, ...] = (OWN,)
+    given_ns: Optional[int] = None
 
     def heard(self, latency_ns: int, arrival_ns: int) -> Tuple['SenderClocks', int]:
         """
@@ -119,8 +123,10 @@ class SenderClocks(NamedTuple):
         See :class:`SenderClocks`.
 
         """
-        half = self.timeout_ns // 2
-        clock = max((clock for clock in self.clocks
+        half, clocks = self.timeout_ns // 2, self.clocks
+        if self.given_ns is not None:
+            clocks = (Clock(self.given_ns, arrival_ns, arrival_ns, True), *clocks)
+        clock = max((clock for clock in clocks
                      if clock.known and clock.offset_ns <= latency_ns + half), default=None)
         if clock is None:
             return self._with(Clock(latency_ns, arrival_ns, arrival_ns, True)), 0

@@ -15,10 +15,10 @@
 """What keeps a simulation to itself: the machine it is heard on, and who else publishes."""
 
 from collections import Counter
-import sys
 import time
 from typing import List, Mapping, MutableMapping, Sequence
 
+from diffdrive_kinematics.nodes.output import complain
 from rclpy.node import Node
 
 __all__ = ['Disturbed', 'check_alone', 'keep_to_this_machine']
@@ -37,8 +37,8 @@ def keep_to_this_machine(environment: MutableMapping[str, str]) -> None:
     """Let nobody else hear this process, where nothing is set about it; say so in one line."""
     if not any(environment.get(name) for name in REACH):
         environment[RANGE] = 'LOCALHOST'
-        print(f'diffdrive_kinematics: the demo is heard on this machine only; {RANGE}=SUBNET lets '
-              'others hear it', file=sys.stderr)
+        complain(f'diffdrive_kinematics: the demo is heard on this machine only; {RANGE}=SUBNET '
+                 'lets others hear it')
 
 
 def check_alone(node: Node, own: Mapping[str, Sequence[str]], *, patience_s: float = 0.0) -> None:

@@ -32,7 +32,9 @@ __all__ = [
     'NANOSECONDS', 'SteadyTimers', 'StepWatch', 'SteppedClock', 'Timer', 'clock_ns', 'period_ns']
 
 NANOSECONDS = 1_000_000_000
-STEP_TOLERANCE_NS = NANOSECONDS
+FORWARD_NS = NANOSECONDS  # up to which time may pass that the steady clock does not count
+BACK_NS = 5_000_000  # up to which the two are read apart
+SLEWED = 10  # a clock is slewed by a part of time, of which a second counts
 NEVER_NS = 2**63 - 1
 
 
@@ -183,6 +185,7 @@ class StepWatch:
         """
         Return the time [ns], and by how much the clock was stepped since the last call.
 
+        A clock that is set back is a step, however little: what is to end would go on for longer.
         Simulated time has a pace of its own: there only a jump back counts.
         """
         if self._handle.get_ros_time_override_is_enabled():
@@ -193,8 +196,15 @@ class StepWatch:
             step = 0
             if self._steady_ns is not None:
                 step = now_ns - self._last_ns - (steady_ns - self._steady_ns)
-                if -STEP_TOLERANCE_NS <= step <= STEP_TOLERANCE_NS:
+                if -BACK_NS <= step <= FORWARD_NS:
                     step = 0
+                elif step < 0:  # unless the process was held up between the two
+                    now_ns, steady_ns = time.time_ns(), time.monotonic_ns()
+                    passed_ns = steady_ns - self._steady_ns
+                    step = now_ns - self._last_ns - passed_ns
+                    slack_ns = BACK_NS + min(passed_ns, NANOSECONDS) // SLEWED
+                    if -slack_ns <= step <= FORWARD_NS:
+                        step = 0
             self._steady_ns = steady_ns
         self._last_ns = now_ns
         return now_ns, step

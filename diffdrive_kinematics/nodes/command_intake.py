@@ -18,18 +18,19 @@ import math
 import time
 from typing import Any, Callable, Dict, Mapping, Optional, Tuple
 
-from diffdrive_kinematics.core.drive import Twist
+from diffdrive_kinematics.core.drive import STILL, Twist
 from diffdrive_kinematics.core.sender_clocks import SenderClocks
 from diffdrive_kinematics.nodes.messages import command_in
 from rclpy.subscription import Subscription
 
-__all__ = ['Backlog', 'CommandIntake', 'LATE_NS', 'STILL']
+__all__ = ['Backlog', 'CommandIntake', 'LATE_NS']
 
-STILL = Twist(0.0, 0.0)
 NANOSECONDS = 1e9
 LATE_NS = 50_000_000  # up to which the age of a command is that of its way here
 BEFORE_ALL_NS = -2**63
 REPORT_PERIOD_S = 1.0
+BY_STAMP = 'for clocks that are apart there is cmd_vel_clock_offset'
+BY_SENDING = 'it lay in a queue, or the clock of its sender is behind'
 GRACE_S = 0.02  # which the middleware has to deliver after the process was held up
 PAUSE_S = 0.001
 MOST = 1000
@@ -41,7 +42,7 @@ class CommandIntake:
 
     A command is old by its stamp, where it has one, and by the time at which the middleware sent
     it: older than the timeout.  Nor does one override another that is stamped later.  A command
-    to stand still may be of any age, but for that.
+    to stand still is obeyed whatever its stamp.
 
     Parameters
     ----------
@@ -69,9 +70,11 @@ class CommandIntake:
         self._offset_ns = None if math.isnan(offset) else round(offset * NANOSECONDS)
         self._tolerance_ns = round(tolerance * NANOSECONDS)
         self._oldest_ns = round(max(timeout, tolerance) * NANOSECONDS) if timeout else math.inf
-        timeout_ns = round(timeout * NANOSECONDS)
-        if self._clocks.timeout_ns != timeout_ns:
-            self._clocks, self._on_own_clock = SenderClocks(timeout_ns), True
+        timeout_ns, given_ns = round(timeout * NANOSECONDS), self._offset_ns or None
+        self._looks_at_sending = bool(timeout) and self._offset_ns is not None
+        if (self._clocks.timeout_ns, self._clocks.given_ns) != (timeout_ns, given_ns):
+            self._clocks = SenderClocks(timeout_ns, given_ns=given_ns)
+            self._on_own_clock = True
 
     def alive(
             self, message: bytes, now_ns: int, sent: Optional[Mapping[str, Any]]
@@ -93,7 +96,7 @@ class CommandIntake:
 
         """
         own_ns, v, w = command_in(message, self._stamped)
-        twist, stamp_ns, age_ns = Twist(v, w), now_ns, 0
+        twist, stamp_ns, age_ns, hint = Twist(v, w), now_ns, 0, BY_STAMP
         if self._offset_ns is None:
             own_ns = 0
         if own_ns:
@@ -101,21 +104,27 @@ class CommandIntake:
             age_ns = now_ns - own_ns
             if 0 <= age_ns <= self._tolerance_ns:
                 stamp_ns = own_ns
-            if own_ns < self._obeyed_ns:
+            if own_ns < self._obeyed_ns and twist != STILL:
                 return self._refused(
                     f'is stamped {(self._obeyed_ns - own_ns) / NANOSECONDS:.3f} s before the last '
-                    'one obeyed')
-        if sent is not None and self._clocks.timeout_ns and (sent_ns := sent['source_timestamp']):
+                    'one obeyed', hint)
+        if sent is not None and self._looks_at_sending and (sent_ns := sent['source_timestamp']):
             latency_ns = time.time_ns() - sent_ns
             if not (self._on_own_clock and 0 <= latency_ns < LATE_NS):  # as nearly always
+                if age_ns <= self._oldest_ns:
+                    hint = BY_SENDING
                 age_ns = max(age_ns, self._learnt_age(latency_ns))
         if age_ns > self._oldest_ns and twist != STILL:
             return self._refused(
                 f'is {age_ns / NANOSECONDS:.3f} s old, cmd_vel_timeout is '
-                f"{self._node.config.values['cmd_vel_timeout']!r}")
+                f"{self._node.config.values['cmd_vel_timeout']!r}", hint)
         if own_ns:
-            self._obeyed_ns = min(own_ns, now_ns)
+            self._obeyed_ns = max(self._obeyed_ns, min(own_ns, now_ns))
         return twist, stamp_ns, age_ns, own_ns
+
+    def none_before(self, time_ns: int) -> None:
+        """Obey no command to move that is stamped before a time [ns]."""
+        self._obeyed_ns = max(self._obeyed_ns, time_ns)
 
     def clock_stepped(self, step_ns: int, *, wall: bool) -> None:
         """Note that the own clock, the ``wall`` clock or a simulated one, was stepped."""
@@ -137,12 +146,12 @@ class CommandIntake:
         self._on_own_clock = self._clocks.agree()
         return age_ns
 
-    def _refused(self, why: str) -> None:
+    def _refused(self, why: str, hint: str) -> None:
         self._node.counts['old commands'] += 1
         self._node.get_logger().warning(
             f"a command on '{self._topic}' {why}: ignored "
-            f"({self._node.counts['old commands']} so far); for clocks that are apart there is "
-            'cmd_vel_clock_offset', throttle_duration_sec=REPORT_PERIOD_S)
+            f"({self._node.counts['old commands']} so far); {hint}",
+            throttle_duration_sec=REPORT_PERIOD_S)
 
 
 class Backlog:

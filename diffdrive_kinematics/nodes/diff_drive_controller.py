@@ -18,8 +18,9 @@ from dataclasses import dataclass
 import time
 from typing import Any, List, Mapping, Optional, Sequence
 
-from diffdrive_kinematics.core.drive import Drive, DriveSettings, DriveTelling, Twist
-from diffdrive_kinematics.nodes.command_intake import Backlog, CommandIntake, LATE_NS, STILL
+from diffdrive_kinematics.core.drive import (
+    Drive, DriveSettings, DriveTelling, STILL, Twist)
+from diffdrive_kinematics.nodes.command_intake import Backlog, CommandIntake, LATE_NS
 from diffdrive_kinematics.nodes.diagnostics import (
     Diagnosis, heard_values, Look, OK, quiet, slowness, unheard)
 from diffdrive_kinematics.nodes.emergency_stop import EmergencyStop
@@ -38,7 +39,6 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64MultiArray
 
 REST = (0.0, 0.0)
-STANDS_S = 0.2  # for which a simulated clock has stood where ramps cannot wait for it
 TYPE_CHECK_PERIOD_NS = 2_000_000_000
 MOST_WATCHDOG_CALLS = 1000.0  # [Hz]
 
@@ -103,7 +103,7 @@ class DiffDriveController(DiffDriveNode[Config]):
             'the robot obeys whoever spoke last; put twist_mux between them')
         self._backlog = Backlog(subscription) if real else None
         self._stop = EmergencyStop(
-            self, values['emergency_stop_topic'], self._halt, self._hear_backlog)
+            self, values['emergency_stop_topic'], self._on_stop, self._on_release)
         self._timer = self.every(values['publish_rate'], self._tick)
         self._watchdog: Any = None
         self._set_watchdog(self.config.drive.cmd_vel_timeout)
@@ -158,10 +158,8 @@ class DiffDriveController(DiffDriveNode[Config]):
 
     def _end_early(self, now_ns: int, age_ns: int) -> None:
         """Let a command that was long on its way end a timeout after it was sent."""
-        drive = self._drive
-        if drive.deadline_ns is not None:
-            end_ns = now_ns - age_ns + round(drive.settings.cmd_vel_timeout * 1e9)
-            self._drive = drive._replace(deadline_ns=min(end_ns, drive.deadline_ns))
+        timeout_ns = round(self.config.drive.cmd_vel_timeout * 1e9)
+        self._drive = self._drive.ended_by(now_ns - age_ns + timeout_ns)
 
     def _tick(self) -> None:
         now_ns = self._synchronised_now()
@@ -208,8 +206,8 @@ class DiffDriveController(DiffDriveNode[Config]):
         self._hear_backlog()
         if self._drive.deadline_ns != deadline_ns:
             return
-        end_ns = max(self._synchronised_now(), deadline_ns or 0)
-        self._drive, changes = self._drive.advanced(end_ns)
+        now_ns = self._synchronised_now()
+        self._drive, changes = self._drive.ended_by(now_ns).advanced(now_ns)
         self._tell(changes)
 
     def on_clock_look(self, stood_s: float) -> None:
@@ -220,8 +218,8 @@ class DiffDriveController(DiffDriveNode[Config]):
         if 0.0 < timeout < min(stood_s, silent_s) and drive.target != STILL:
             self._drive = drive._replace(timeouts=drive.timeouts + 1)
             self._halt()
-        elif stood_s > STANDS_S and drive.rates == REST and self._told_ns >= 0:
-            self._halt()  # ticks do not repeat it
+        elif drive.rates == REST and self._told_ns >= 0 and self.clock_stands():
+            self._tell([drive.told(self._synchronised_now())])  # ticks do not repeat it
         else:
             self._obey_without_clock()
 
@@ -231,8 +229,17 @@ class DiffDriveController(DiffDriveNode[Config]):
 
         Ramps cannot go on then: what asks for more is held back, what asks for less is not met.
         """
-        if _exceeds(self._drive.twist, self._drive.target) and self.clock_stood_s() > STANDS_S:
+        if _exceeds(self._drive.twist, self._drive.target) and self.clock_stands():
             self._halt()
+
+    def _on_stop(self) -> None:
+        self._halt()
+        self._intake.none_before(self.now_ns())
+
+    def _on_release(self) -> None:
+        """Have what was commanded up to now behind, whenever it comes."""
+        self._hear_backlog()
+        self._intake.none_before(self._synchronised_now())
 
     def _halt(self) -> None:
         """Bring the wheels to rest at once, whatever the limits and the clock."""
@@ -266,11 +273,13 @@ class DiffDriveController(DiffDriveNode[Config]):
         return now_ns
 
     def _configure(self, config: Config) -> None:
+        timeout = self._drive.settings.cmd_vel_timeout
         self._intake.configure(config.values)
         self._drive, changes = self._drive.configured(config.drive, self._synchronised_now())
         self._tell(changes)
         self._timer = self.retimed(self._timer, config.drive.publish_rate, self._tick)
-        self._set_watchdog(config.drive.cmd_vel_timeout)
+        if timeout != config.drive.cmd_vel_timeout:  # else what is silent goes on to be
+            self._set_watchdog(config.drive.cmd_vel_timeout)
 
     def _report_other_type(self) -> None:
         """Say so where commands are published in the type that is not listened to."""

@@ -17,7 +17,7 @@
 from typing import Any, Callable, Dict, List, Tuple
 
 from diffdrive_kinematics.nodes.diagnostics import ERROR, Trouble
-from diffdrive_kinematics.nodes.qos import latched
+from diffdrive_kinematics.nodes.qos import best_effort, latched
 from std_msgs.msg import Bool
 from std_srvs.srv import Trigger
 
@@ -53,8 +53,10 @@ class EmergencyStop:
         self.ignored = 0
         if topic:
             node.subscribe(Bool, topic, self._on_topic)
-            # DDS does not join a reader that asks for what is latched and a writer that has none
-            node.create_subscription(Bool, topic, self._on_topic, latched())
+            # DDS joins no reader and writer where the reader asks for more: what is latched, or
+            # what is reliable.  What is heard twice is the same.
+            for profile in (latched(), best_effort()):
+                node.create_subscription(Bool, topic, self._on_topic, profile)
         node.create_service(Trigger, '~/stop', self._on_stop_service)
         node.create_service(Trigger, '~/resume', self._on_resume)
 

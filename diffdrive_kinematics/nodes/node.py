@@ -168,9 +168,9 @@ class DiffDriveNode(Node, Generic[Config]):
         """Return whether the node is on simulated time that has not begun: nothing may move."""
         return self._clock_watch is not None and not clock_ns(self.time_clock)
 
-    def clock_stood_s(self) -> float:
-        """Return for how long [s] of steady time a simulated clock has stood; 0 for others."""
-        return self._clock_watch.stood_s() if self._clock_watch else 0.0
+    def clock_stands(self) -> bool:
+        """Return whether a simulated clock has stood for longer than it does as it goes on."""
+        return self._clock_watch is not None and self._clock_watch.stands()
 
     def on_clock_look(self, stood_s: float) -> None:
         """Do what a simulated clock that has stood for so long [s] cannot bring about."""

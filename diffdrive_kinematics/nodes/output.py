@@ -13,7 +13,7 @@
 # limitations under the License.
 
 """
-What executables print, where stdout may be full or closed.
+What executables print, where stdout and stderr may be full or closed.
 
 Nothing that was worked out is lost with it: a drive goes on, files are written, and results are
 said on stderr instead.  The exit status tells.
@@ -22,9 +22,10 @@ said on stderr instead.  The exit status tells.
 import os
 import sys
 
-__all__ = ['exit_status', 'report', 'show']
+__all__ = ['complain', 'exit_status', 'open_stderr', 'report', 'show']
 
 LOST = 1  # exit status
+STDERR = 2
 
 _failed = ''  # why stdout could not be written
 
@@ -42,15 +43,15 @@ def show(text: str) -> bool:
         _failed = error.strerror or str(error)
         if sys.stdout is not None:  # what is left in the buffer would fail again at the end
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        _complain(f'diffdrive_kinematics: stdout cannot be written ({_failed}): results follow '
-                  'here')
+        complain(f'diffdrive_kinematics: stdout cannot be written ({_failed}): results follow '
+                 'here')
     return not _failed
 
 
 def report(text: str) -> None:
     """Print a result, on stderr where stdout does not take it."""
     if not show(text):
-        _complain(text)
+        complain(text)
 
 
 def exit_status() -> int:
@@ -58,8 +59,27 @@ def exit_status() -> int:
     return LOST if _failed else 0
 
 
-def _complain(text: str) -> None:
+def complain(text: str) -> None:
+    """Print a text on stderr, where that can be done."""
     try:
-        print(text, file=sys.stderr, flush=True)
+        if sys.stderr is not None:
+            print(text, file=sys.stderr, flush=True)
     except OSError:  # nobody is left to tell; the exit status is
-        pass
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stderr.fileno())
+
+
+def open_stderr() -> None:
+    """
+    Have a stderr that takes what is written, where it was closed before the start.
+
+    Some libraries expect one; and what is opened next would have its number, and get their words.
+    """
+    if sys.stderr is not None:
+        return
+    sink = os.open(os.devnull, os.O_WRONLY)
+    try:
+        os.fstat(STDERR)
+    except OSError:
+        os.dup2(sink, STDERR)
+    os.set_inheritable(STDERR, True)
+    sys.stderr = os.fdopen(sink, 'w')

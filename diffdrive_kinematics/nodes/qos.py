@@ -29,7 +29,7 @@ from rclpy.qos import (
 from rclpy.qos_overriding_options import QoSOverridingOptions
 
 __all__ = [
-    'Override', 'PREFIX', 'POLICIES', 'check_delivery', 'latched', 'overrides_from',
+    'Override', 'PREFIX', 'POLICIES', 'best_effort', 'check_delivery', 'latched', 'overrides_from',
     'overriding_options', 'reliable']
 
 PREFIX = 'qos_overrides.'
@@ -78,6 +78,11 @@ def reliable(depth: int) -> QoSProfile:
 def latched() -> QoSProfile:
     """Return the profile of a topic whose last message is for those who come later."""
     return QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+
+
+def best_effort() -> QoSProfile:
+    """Return the profile of a subscription that hears publishers of any kind."""
+    return QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
 
 
 def overrides_from(parameters: Mapping[str, Any]) -> Dict[Tuple[str, str], Tuple[Override, ...]]:

@@ -30,6 +30,7 @@ from typing import Callable, Iterable, List, Optional
 from diffdrive_kinematics.nodes.clocks import SteadyTimers
 from diffdrive_kinematics.nodes.logs import check_log_directory, with_remedy
 from diffdrive_kinematics.nodes.node import DiffDriveNode
+from diffdrive_kinematics.nodes.output import complain, open_stderr
 from diffdrive_kinematics.nodes.parameters import ConfigurationError
 from diffdrive_kinematics.nodes.waking import Awake
 import rclpy
@@ -115,18 +116,18 @@ def spin(
 
 def run(work: Callable[[Stop], int], args: Optional[List[str]] = None) -> int:
     """Initialise rclpy, do ``work``, and return its exit status, whatever ends it."""
+    open_stderr()
     stop = Stop()
     try:
         check_log_directory(os.environ, sys.argv if args is None else args)
         rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
         return work(stop)
     except rclpy_implementation.UnknownROSArgsError as error:
-        print(f'diffdrive_kinematics: the arguments {error} follow --ros-args and mean nothing '
-              'there, expected -p NAME:=VALUE (in quotes where it has blanks) or an option',
-              file=sys.stderr)
+        complain(f'diffdrive_kinematics: the arguments {error} follow --ros-args and mean nothing '
+                 'there, expected -p NAME:=VALUE (in quotes where it has blanks) or an option')
         return CONFIGURATION_ERROR
     except (rclpy_implementation.RCLError, NameValidationException) as error:
-        print(f'diffdrive_kinematics: {with_remedy(str(error))}', file=sys.stderr)
+        complain(f'diffdrive_kinematics: {with_remedy(str(error))}')
         return CONFIGURATION_ERROR
     except ConfigurationError as error:
         rclpy.logging.get_logger('diffdrive_kinematics').fatal(str(error))

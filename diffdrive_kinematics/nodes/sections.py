@@ -133,7 +133,7 @@ def doubts(
         if other == name:
             reason = 'is in another namespace' if not with_own and (
                 section.in_root != (node == f'/{name}')) else ''
-        elif _alike(other, name):
+        elif _alike(other, name) and not (section.file in with_own and _siblings(other, name)):
             reason = 'has nearly this name'
         elif other in kin and section.file not in with_own:
             reason = 'takes the same parameters and has no section of its own there'
@@ -159,3 +159,10 @@ def _alike(other: str, name: str) -> bool:
     import difflib  # where there are sections of others only
     return other not in TABLES and difflib.SequenceMatcher(
         None, other.casefold(), name.casefold()).ratio() >= ALIKE
+
+
+def _siblings(other: str, name: str) -> bool:
+    """Return whether names differ in parts of a letter or two only, as those of wheels do."""
+    parts = other.split('_'), name.split('_')
+    return len(parts[0]) == len(parts[1]) and all(
+        a == b or max(len(a), len(b)) <= 2 for a, b in zip(*parts))

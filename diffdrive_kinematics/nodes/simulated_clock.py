@@ -18,8 +18,9 @@ A look at the simulated clock of a node by the steady one: whether it has begun,
 A clock that stands fires no timer of the node's: what has to be done nevertheless is done here.
 """
 
+from collections import deque
 import time
-from typing import Any, List
+from typing import Any, Deque, List
 
 from diffdrive_kinematics.nodes.diagnostics import Trouble, WARN
 
@@ -28,6 +29,9 @@ __all__ = ['ClockWatch', 'LOOK_RATE', 'WAITING']
 LOOK_RATE = 10.0  # [Hz]
 REPORT_PERIOD_S = 5.0
 PAUSE_S = 2.0  # for which a clock may stand and be well
+STANDS_S = 0.2  # beyond which it stands, where it is told more often than that
+PACES = 3.0  # and otherwise in what it took between two times
+REMEMBERED = 5  # of such times
 WAITING = 'waiting for /clock, use_sim_time is true'
 
 
@@ -39,14 +43,27 @@ class ClockWatch:
         self._shown_ns = node.now_ns()
         self._since = self._report_at = time.monotonic()
         self._reported = False
+        self._stood_s = 0.0
+        self._paces: Deque[float] = deque([0.0] * REMEMBERED, maxlen=REMEMBERED)
         node.steadily(LOOK_RATE, self._look)
 
     def stood_s(self) -> float:
         """Return the time [s] on the steady clock since the node's was last seen to move."""
         now_ns, now = self._node.now_ns(), time.monotonic()
         if now_ns != self._shown_ns:
+            self._paces.append(self._stood_s)
             self._shown_ns, self._since, self._reported = now_ns, now, False
-        return now - self._since
+        self._stood_s = now - self._since
+        return self._stood_s
+
+    def stands(self) -> bool:
+        """
+        Return whether the node's clock has stood for longer than it does between two times.
+
+        The longest of the last ones but one counts: a pause is not the pace of a clock.
+        """
+        pace_s = sorted(self._paces)[-2]
+        return self.stood_s() > max(STANDS_S, min(PACES * pace_s, PAUSE_S))
 
     def troubles(self) -> List[Trouble]:
         """Return what is wrong with the clock."""

@@ -130,8 +130,9 @@ def _axis_entries() -> Tuple[Entry, ...]:
 DIFF_DRIVE_CONTROLLER = (
     *_GEOMETRY, *_JOINTS,
     topic('cmd_vel_topic', 'cmd_vel', 'velocity commands in'),
-    topic('emergency_stop_topic', '', 'Bool in, latched or not; true: wheels at rest at once, and '
-          'no command is obeyed until it is false; empty: only ~/stop and ~/resume are there',
+    topic('emergency_stop_topic', '', 'Bool in, of any quality of service; true: wheels at rest '
+          'at once, and no command is obeyed until it is false; empty: only ~/stop and ~/resume '
+          'are there',
           optional=True),
     topic('wheel_rates_topic', 'wheel_rates', 'wheel rates out, JointState'),
     topic('wheel_commands_topic', '', 'wheel rates out as Float64MultiArray, left wheels then '
@@ -146,7 +147,8 @@ DIFF_DRIVE_CONTROLLER = (
     Entry('cmd_vel_timeout', 0.5, 'age [s] at which a command ends and the drive brakes, and at '
           'which one that comes is refused as old; 0: never', check=check_duration),
     Entry('cmd_vel_clock_offset', 0.0, 'what the clock of the controller shows less what that of '
-          'the stamps of commands shows [s]; NaN: unknown, stamps do not count',
+          'the senders of commands shows [s]; NaN: unknown, neither stamps count nor when a '
+          'command was sent',
           check=check_offset),
     Entry('publish_rate', 50.0, 'rate [Hz] at which the wheel rates are repeated and ramps step',
           check=check_rate),

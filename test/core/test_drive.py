@@ -270,6 +270,37 @@ def test_new_settings_hold_from_now_on_with_the_same_target_and_deadline():
     assert stop.stamp_ns == 500 * MS
 
 
+@pytest.mark.parametrize(('before', 'after', 'end'), [
+    (0.0, 0.5, 1600 * MS), (20.0, 0.5, 1600 * MS), (0.5, 20.0, 1500 * MS), (2.0, 1.95, 3 * S),
+    (0.5, 0.0, None), (0.0, 0.0, None)])
+@pytest.mark.parametrize('linear', [AxisLimits(), AxisLimits(max_acceleration=1.0)])
+def test_a_new_timeout_ends_the_live_command_a_timeout_from_then_on_and_never_later_than_before(
+        before, after, end, linear):
+    settings = replace(PLAIN, linear=linear, cmd_vel_timeout=before)
+    drive, _ = driven(settings, [(S, AHEAD)])
+    drive, _ = drive.configured(replace(settings, cmd_vel_timeout=after), 1100 * MS)
+    assert drive.deadline_ns == end
+    drive, _ = drive.advanced(99 * S)
+    assert drive.rates == (0.0, 0.0) if end else drive.twist == AHEAD
+
+
+def test_a_new_timeout_ends_no_command_where_there_is_none():
+    drive, _ = driven(PLAIN, [(0, AHEAD)], S)
+    changed, changes = drive.configured(replace(PLAIN, cmd_vel_timeout=9.0), 2 * S)
+    assert (changed.deadline_ns, changed.timeouts, changes) == (None, 1, [])
+
+
+@pytest.mark.parametrize('settings', [PLAIN, ENDLESS, RAMPS])
+def test_a_command_that_is_ended_ends_then_or_earlier_and_no_stop_is_of_the_future(settings):
+    drive, _ = driven(settings, [(S, AHEAD)])
+    end = drive.deadline_ns
+    assert drive.ended_by(9 * S) == drive
+    drive = drive.ended_by(1100 * MS)
+    assert drive.deadline_ns == (None if end is None else 1100 * MS)
+    _, changes = drive.advanced(1100 * MS)
+    assert all(change.stamp_ns <= 1100 * MS for change in changes)
+
+
 def test_a_lifted_limit_lets_the_old_target_through():
     clamped = replace(ENDLESS, linear=AxisLimits(max_velocity=0.25))
     drive, _ = driven(clamped, [(0, Twist(1.0, 0.0))])
@@ -382,6 +413,18 @@ def test_a_change_of_the_rate_during_a_ramp_does_not_make_it_steeper(rate):
         seconds = (after.stamp_ns - before.stamp_ns) / 1e9
         assert after.twist.v - before.twist.v <= seconds * (1.0 + 1e-9)
     assert told[-1].twist.v == 3.0
+
+
+def test_a_rate_that_is_changed_again_and_again_does_not_hold_a_ramp_up():
+    limits = AxisLimits(max_acceleration=0.5)
+    settings = DriveSettings(UNIT, limits, publish_rate=50.0, cmd_vel_timeout=0.0)
+    drive, _ = Drive(settings, 0).commanded(Twist(0.5, 0.0), S)
+    for k in range(1, 201):
+        now = S + k * 15 * MS
+        drive, _ = drive.configured(replace(settings, publish_rate=[50.0, 40.0][k % 2]), now)
+        allowed = min(0.5, 0.5 * (now - S) / 1e9)
+        assert 0.5 * allowed - 0.02 <= drive.twist.v <= allowed + 0.02
+    assert drive.twist.v == 0.5
 
 
 def test_a_timeout_counts_where_it_ended_a_command_to_move():

@@ -17,9 +17,9 @@
 Every limit holds in every step of a drive: ten thousand random drives against laws.
 
 A drive is random commands and random changes of its settings (limits, also one-sided and NaN, the
-bound and geometry of the wheels, the rate of the ramp), and then nothing, until the watchdog has
-it at rest.  Each step is held against ``limit_laws``.  New settings of the wheels hold at once,
-and cut.  A drive is at rest when its limits allow it to be.
+bound and geometry of the wheels, the rate of the ramp, the timeout), and then nothing, until the
+watchdog has it at rest.  Each step is held against ``limit_laws``.  New settings of the wheels
+hold at once, and cut.  A drive is at rest when its limits allow it to be.
 """
 
 from dataclasses import replace
@@ -72,6 +72,7 @@ class Driver:
         before, rate_before = (
             self.drive._replace(settings=settings), self.drive.settings.publish_rate)
         self.drive = self.drive.configured(settings, time_ns)[0]
+        self._check_end(before, time_ns)
         factor = share_within(settings, before.twist) if settings.ramps else 1.0
         if factor < 1.0 - DIGITS:
             assert self.drive.twist == pytest.approx(
@@ -88,6 +89,14 @@ class Driver:
                         (before, rate_before), (self.drive, settings.publish_rate)))
                 assert is_now == pytest.approx(was, rel=1e-5, abs=DIGITS * settings.publish_rate)
             check_state(self.drive)
+
+    def _check_end(self, before, time_ns):
+        end, timeout = self.drive.deadline_ns, self.drive.settings.cmd_vel_timeout
+        assert end is None or before.deadline_ns is None or end <= before.deadline_ns
+        if timeout and before.target != STILL:
+            assert end is not None and end <= max(time_ns, self.drive.since_ns) + timeout * 1e9 + 1
+        elif not timeout:
+            assert end is None
 
     def _check(self, before):
         goal = goal_of(before)
@@ -139,7 +148,7 @@ class World:
         other = self.settings()
         names = self.random.choice([
             ('linear',), ('angular',), ('linear', 'angular'), ('max_wheel_rate',), ('geometry',),
-            ('geometry', 'max_wheel_rate', 'linear'), ('publish_rate',), ()])
+            ('geometry', 'max_wheel_rate', 'linear'), ('publish_rate',), ('cmd_vel_timeout',), ()])
         if 'publish_rate' in names:
             self.rate *= 3.0 ** self.random.uniform(-1.0, 1.0)
             return replace(settings, publish_rate=self.rate)

@@ -44,6 +44,13 @@ def given_stamp(judge, stamp_ns, v, now_ns=NOW):
     return judge.alive(serialize_message(twist_stamped(stamp_ns, v, 0.0)), now_ns, None)
 
 
+def reports(judge):
+    """Return the reports that are to come."""
+    texts = []
+    judge._node.get_logger = lambda: SimpleNamespace(warning=lambda text, **_: texts.append(text))
+    return texts
+
+
 def sent(judge, seconds_ago, v):
     """Return what becomes of a plain command that was sent a while ago."""
     return judge.alive(serialize_message(twist(v, 0.0)), NOW, {
@@ -68,7 +75,7 @@ def test_no_command_overrides_one_that_is_stamped_later(commands):
     judge, newest = intake()[0], -1
     for age, moves in commands:
         obeyed = given_stamp(judge, NOW - age, float(moves)) is not None
-        assert obeyed == (NOW - age >= newest)
+        assert obeyed == (NOW - age >= newest or not moves)  # to stand still is always obeyed
         newest = max(newest, NOW - age)
 
 
@@ -78,11 +85,13 @@ def test_without_a_timeout_none_is_too_old_and_the_order_counts():
     assert given_stamp(judge, NOW - 3601 * S, 1.0) is None
 
 
-def test_a_command_to_stand_still_may_be_of_any_age_but_overrides_none_that_is_later():
+def test_a_command_to_stand_still_is_obeyed_whatever_its_stamp_and_lets_none_from_before_through():
     judge = intake()[0]
     assert given_stamp(judge, NOW - 3600 * S, 0.0)
     assert given_stamp(judge, NOW, 1.0)
-    assert given_stamp(judge, NOW - 1, 0.0) is None
+    assert given_stamp(judge, NOW - S // 4, 0.0)
+    assert given_stamp(judge, NOW - S // 8, 1.0) is None
+    assert given_stamp(judge, NOW, 1.0)
     assert sent(intake(stamped=False)[0], 3600.0, 0.0)
 
 
@@ -135,3 +144,53 @@ def test_a_zero_stamp_means_the_time_of_arrival():
     judge = intake()[0]
     assert given_stamp(judge, NOW, 1.0)
     assert judge.alive(serialize_message(TwistStamped()), NOW + 1, None)[1] == NOW + 1
+
+
+@pytest.mark.parametrize('offset', [3.0, -3.0, 3600.0])
+@pytest.mark.parametrize('stamped', [False, True])
+def test_an_offset_that_is_known_is_that_of_the_senders_as_well(offset, stamped):
+    judge = intake(stamped, cmd_vel_clock_offset=offset)[0]
+    message = twist_stamped(NOW - round(offset * S), 1.0, 0.0) if stamped else twist(1.0, 0.0)
+    assert judge.alive(serialize_message(message), NOW, {
+        'source_timestamp': time.time_ns() - round(offset * S)})[2] < S // 10
+
+
+def test_a_command_that_is_old_by_an_offset_that_is_known_is_refused_at_once_and_for_ever():
+    judge = intake(stamped=False, cmd_vel_clock_offset=3.0)[0]
+    assert sent(judge, 5.0, 1.0) is None
+    for _ in range(30):
+        assert sent(judge, 0.0, 1.0)  # of another sender, on the own clock
+    assert sent(judge, 3.0, 1.0)[2] < S // 10
+
+
+def test_where_the_offset_is_not_a_number_it_does_not_count_either_when_a_command_was_sent():
+    for stamped in (False, True):
+        judge = intake(stamped, cmd_vel_clock_offset=float('nan'))[0]
+        message = serialize_message((twist_stamped(NOW - S, 1.0, 0.0) if stamped
+                                     else twist(1.0, 0.0)))
+        assert judge.alive(message, NOW, {'source_timestamp': time.time_ns() - 3 * S})[2] == 0
+
+
+def test_a_change_of_the_offset_counts_from_then_on():
+    judge = intake(stamped=False)[0]
+    assert sent(judge, 3.0, 1.0) is None
+    judge.configure({**VALUES, 'cmd_vel_clock_offset': 3.0})
+    assert sent(judge, 3.0, 1.0)
+
+
+def test_the_offset_is_named_where_the_stamp_is_old_and_not_where_a_command_lay_in_a_queue():
+    plain, stamped = intake(stamped=False)[0], intake()[0]
+    texts = reports(plain)
+    assert sent(plain, 3.0, 1.0) is None
+    assert 'cmd_vel_clock_offset' not in texts[0] and 's old, cmd_vel_timeout is 0.5' in texts[0]
+    texts = reports(stamped)
+    assert given_stamp(stamped, NOW - S, 1.0) is None and 'cmd_vel_clock_offset' in texts[0]
+
+
+def test_after_a_stop_no_command_is_obeyed_that_is_stamped_before_it():
+    judge = intake()[0]
+    judge.none_before(NOW)
+    assert given_stamp(judge, NOW - 1, 1.0) is None
+    assert given_stamp(judge, NOW, 1.0)
+    judge.none_before(NOW - S)
+    assert given_stamp(judge, NOW - 1, 1.0) is None

@@ -89,6 +89,10 @@ def test_a_name_that_is_spelt_alike_is_reported_with_the_one_that_was_meant(tmp_
     assert f"'{key}'" in report and 'params0.yaml' in report and "'/**/simulated_base'" in report
 
 
+def test_a_letter_tells_no_siblings_apart_where_the_node_has_no_section(tmp_path):
+    assert doubts_of(tmp_path, ['/**/wheel_odometry_b'], '/wheel_odometry_a', 'wheel_odometry')
+
+
 def test_a_section_of_the_same_class_is_reported_where_the_node_has_none_of_its_own(tmp_path):
     """A params file of a robot, given to the base that simulates."""
     report, = doubts_of(tmp_path, ['/**', '/**/wheel_odometry'], '/simulated_base')
@@ -130,6 +134,9 @@ def test_a_section_without_the_namespace_of_the_node_is_reported(tmp_path):
     (['/**', '/**/ground_truth', '/**/diff_drive_controller'], '/simulated_base', ()),
     (['/**/wheel_odometry'], '/simulated_base', ('simulated_base', 'wheel_odometry')),
     (['/**/base_1', '/**/base_2'], '/base_1', ()),
+    (['/**/wheel_odometry_a', '/**/wheel_odometry_b'], '/wheel_odometry_a', ()),
+    (['/**/wheel_odometry_fl', '/**/wheel_odometry_rr', '/**/wheel_odometry_fr'],
+     '/wheel_odometry_fl', ()),
     (['/robot1/simulated_base', '/robot2/simulated_base'], '/robot1/simulated_base', ()),
     (['/robot1/simulated_base'], '/robot2/simulated_base', ()),
     (['/**/odometry_left', '/**/odometry_right'], '/odometry_left', ())])

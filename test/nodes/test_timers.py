@@ -14,12 +14,15 @@
 
 """Timers that the loop of a process fires by itself."""
 
+from types import SimpleNamespace
+
 from diffdrive_kinematics.nodes import clocks
-from diffdrive_kinematics.nodes.clocks import SteadyTimers, SteppedClock, Timer
+from diffdrive_kinematics.nodes.clocks import SteadyTimers, SteppedClock, StepWatch, Timer
 from hypothesis import given, strategies as st
 import pytest
 
 MS = 10**6
+S = 1000 * MS
 
 
 @pytest.fixture
@@ -139,3 +142,51 @@ def test_what_a_timer_raises_is_not_lost_and_does_not_stop_the_others(steady):
         timers.fire_due()
     timers.fire_due()
     assert fired == [steady[0]]
+
+
+class Clocks:
+    """A wall clock and a steady one; between two looks at them the process may be held up."""
+
+    def __init__(self, patch):
+        self.wall, self.steady, self.held_up = 10**6 * S, 5 * S, 0
+        patch.setattr(clocks.time, 'time_ns', self._look)
+        patch.setattr(clocks.time, 'monotonic_ns', lambda: self.steady)
+        handle = SimpleNamespace(get_ros_time_override_is_enabled=lambda: False)
+        self.watch = StepWatch(SimpleNamespace(handle=handle))
+        self.watch.now_and_step()
+
+    def _look(self):
+        wall = self.wall
+        self.pass_by(self.held_up)
+        self.held_up = 0
+        return wall
+
+    def pass_by(self, time_ns):
+        self.wall += time_ns
+        self.steady += time_ns
+
+
+@given(st.integers(-3600 * S, -10 * MS), st.integers(0, 40 * MS))
+def test_a_wall_clock_that_is_set_back_by_however_little_is_a_step(step, passed):
+    with pytest.MonkeyPatch.context() as patch:
+        both = Clocks(patch)
+        both.pass_by(passed)
+        both.wall += step
+        assert both.watch.now_and_step() == (both.wall, step)
+        both.pass_by(passed)
+        assert both.watch.now_and_step() == (both.wall, 0)
+
+
+@given(st.integers(0, S // 4), st.integers(0, 3600 * S), st.floats(-0.1, 0.1))
+def test_a_process_that_is_held_up_and_a_clock_that_is_slewed_are_no_step(
+        held_up, passed, slewed):
+    """Nor is time that the steady clock does not count, up to a second."""
+    with pytest.MonkeyPatch.context() as patch:
+        both = Clocks(patch)
+        for _ in range(3):
+            both.pass_by(passed)
+            both.wall += round(slewed * min(passed, S))
+            both.held_up = held_up
+            assert both.watch.now_and_step()[1] == 0
+        both.wall += S // 2
+        assert both.watch.now_and_step()[1] == 0

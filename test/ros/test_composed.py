@@ -53,6 +53,13 @@ def wheels():
     return JointState(name=JOINTS, velocity=[0.0, 9.0])
 
 
+def standing():
+    """Return odometry of a robot that stands."""
+    message = Odometry()
+    message.header.frame_id, message.pose.pose.orientation.w = 'odom', 1.0
+    return message
+
+
 WORST = {
     'wheel_noise': Worst(
         {'wheel_radius': 0.021, 'input_topic': 'flood', 'slip_distribution': 'truncated_gaussian',
@@ -73,6 +80,10 @@ WORST = {
          'right_slip_variance': 1e-5},
         [(Odometry, 'odom', Odometry), (JointState, 'flood', wheels)],
         [(PoseArray, 'projected_poses'), (PolygonStamped, 'projected_boundary')]),
+    'goal_steering': Worst(
+        {'cmd_vel_topic': 'other_cmd_vel', 'goals': [1000.0, 0.0, 0.0], 'publish_rate': 1000.0,
+         'patience': 3600.0, 'odom_timeout': 3600.0},
+        [(Odometry, 'odom', standing)], [(Twist, 'other_cmd_vel')], 1000),
     'robot_description': Worst({
         **KHEPERA, 'left_wheel_names': MANY, 'right_wheel_names': [f'{each}_r' for each in MANY]})}
 

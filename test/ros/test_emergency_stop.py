@@ -18,7 +18,7 @@ from geometry_msgs.msg import Twist
 from graph import KHEPERA, twist
 from health import collect, ERROR, OK, wait_for_level
 import pytest
-from rclpy.qos import DurabilityPolicy, QoSProfile
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Bool
 from std_srvs.srv import Trigger
@@ -29,8 +29,9 @@ LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 SETTINGS = {
     **KHEPERA, 'linear.x.max_acceleration': 0.5, 'cmd_vel_timeout': 0.0,
     'emergency_stop_topic': 'stop', 'diagnostics_rate': 10.0}
-PROFILES = pytest.mark.parametrize('profile', [QoSProfile(depth=1), LATCHED], ids=[
-    'volatile', 'latched'])
+BEST_EFFORT = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
+PROFILES = pytest.mark.parametrize('profile', [QoSProfile(depth=1), LATCHED, BEST_EFFORT], ids=[
+    'volatile', 'latched', 'best effort'])
 
 
 class Robot:
@@ -75,13 +76,14 @@ class Robot:
 
 
 @PROFILES
-def test_a_topic_stops_it_at_once_whatever_its_durability_and_lets_it_go_again(graph, profile):
+def test_a_topic_stops_it_at_once_whatever_its_quality_of_service_and_lets_it_go_again(
+        graph, profile):
     robot = Robot(graph)
     robot.drive()
     begin = len(robot.rates)
     stop = graph.node.create_publisher(Bool, 'stop', profile)
-    graph.wait_for(
-        lambda: stop.get_subscription_count() == (1 if profile is not LATCHED else 2), 'listeners')
+    listeners = 1 if profile is BEST_EFFORT else 3 if profile is LATCHED else 2
+    graph.wait_for(lambda: stop.get_subscription_count() == listeners, 'listeners')
     stop.publish(Bool(data=True))
     graph.wait_for(lambda: robot.at(0.0), 'the stop')
     robot.assert_stopped_at_once(begin)

@@ -114,6 +114,22 @@ def test_plot_paths_draws_without_stdout(outside, without_stdout):
     assert (outside.directory / 'paths.png').stat().st_size > 1000
 
 
+@pytest.mark.parametrize('how', ['full', 'closed', 'with stdin closed'])
+def test_a_drive_goes_on_without_stderr(outside, how):
+    """Nor does what it says of who hears it, where nothing is set about that, end it."""
+    closes = {'full': '2>/dev/full', 'closed': '2>&-', 'with stdin closed': '<&- 2>&-'}[how]
+    demo = outside.run('diffdrive_sim', prefix=('sh', '-c', f'exec "$@" {closes}', 'sh'),
+                       ROS_AUTOMATIC_DISCOVERY_RANGE='')
+    assert demo.returncode == 0 and DRIFT.search(demo.stdout)
+
+
+def test_an_error_without_stderr_is_in_the_exit_status(outside):
+    for closes in ('2>/dev/full', '2>&-'):
+        process = outside.run('simulated_base', '--ros-args', 'nonsense', prefix=(
+            'sh', '-c', f'exec "$@" {closes}', 'sh'))
+        assert process.returncode == 2
+
+
 def test_with_stdout_results_are_there_and_nowhere_else(outside):
     demo = outside.run('diffdrive_sim')
     assert demo.returncode == 0 and DRIFT.search(demo.stdout) and not DRIFT.search(demo.stderr)

@@ -1,0 +1,256 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The controller in this process, on a clock that is set: what it tells, and with which stamps."""
+
+from diffdrive_kinematics.nodes import clocks, node as node_module
+from diffdrive_kinematics.nodes.clocks import SteadyTimers, SteppedClock
+from diffdrive_kinematics.nodes.diff_drive_controller import DiffDriveController
+from domain_coordinator import domain_id
+from graph import twist, twist_stamped
+import pytest
+import rclpy
+from rclpy.clock_type import ClockType
+from rclpy.parameter import Parameter
+from rclpy.serialization import deserialize_message, serialize_message
+from rclpy.time import Time
+from sensor_msgs.msg import JointState
+from std_msgs.msg import Bool
+
+S = 10**9
+STEP = S // 100
+SPEED = 0.2  # [m/s]
+RAMPS = {'linear.x.max_acceleration': 0.5}
+
+
+class WallClock(SteadyTimers):
+    """Real time, as far as the controller knows: a steady clock and one that can be set."""
+
+    def __init__(self, patch):
+        self._steady_ns, self.ahead_ns = 5 * S, 10**6 * S
+        patch.setattr(clocks.time, 'monotonic_ns', lambda: self._steady_ns)
+        patch.setattr(clocks.time, 'time_ns', lambda: self._steady_ns + self.ahead_ns)
+        patch.setattr(node_module, 'clock_ns', lambda _: self._steady_ns + self.ahead_ns)
+        super().__init__()
+
+    def advance_by(self, time_ns):
+        self._steady_ns += time_ns
+
+
+class SlowClock(SteadyTimers):
+    """A simulated clock that is told rarely, by a slow simulator, or stands."""
+
+    EVERY_NS, BY_NS = 33 * STEP, S // 10
+
+    def __init__(self, patch):
+        self._steady_ns, self._simulated_ns, self.node, self.stands = 5 * S, 100 * S, None, False
+        patch.setattr(clocks.time, 'monotonic_ns', lambda: self._steady_ns)
+        patch.setattr(clocks.time, 'monotonic', lambda: self._steady_ns / S)
+        super().__init__()
+        self._tell_at_ns = 0
+
+    def now_ns(self):
+        return self._steady_ns
+
+    def advance_by(self, time_ns):
+        self._steady_ns += time_ns
+        if self._steady_ns >= self._tell_at_ns and not self.stands:
+            self._tell_at_ns = self._steady_ns + self.EVERY_NS
+            self._simulated_ns += self.BY_NS
+            self.node.time_clock.set_ros_time_override(
+                Time(nanoseconds=self._simulated_ns, clock_type=ClockType.ROS_TIME))
+            self.node._tick()
+
+
+class SetClock(SteppedClock):
+    """Time that is stepped."""
+
+    def __init__(self, _):
+        super().__init__()
+        self.advance_to(100 * S)
+
+    def advance_by(self, time_ns):
+        self.advance_to(self.now_ns() + time_ns)
+
+
+class Robot:
+    """A controller whose time goes on when it is told to."""
+
+    def __init__(self, patch, clock=SetClock, **parameters):
+        given = {'wheel_radius': 0.021, 'wheel_separation': 0.0885, **parameters}
+        rclpy.init(args=['--ros-args', *(
+            argument for name, value in given.items() for argument in ('-p', f'{name}:={value}'))])
+        self.clock = clock(patch)
+        self.node = DiffDriveController(**{
+            'stepped' if clock is SetClock else 'timers': self.clock})
+        self.clock.node = self.node
+        self.told = []
+        self.node._send_wheels = lambda data: self.told.append(
+            deserialize_message(data, JointState))
+
+    def command(self, v, stamp_ns=None):
+        self.node._on_command(serialize_message(
+            twist(v, 0.0) if stamp_ns is None else twist_stamped(stamp_ns, v, 0.0)))
+
+    def configure(self, **parameters):
+        results = self.node.set_parameters([
+            Parameter(name.replace('__', '.'), value=value) for name, value in parameters.items()])
+        assert all(result.successful for result in results), results
+
+    def wait(self, seconds, command=None):
+        """Let time pass; with a command it is given in each step."""
+        for _ in range(round(seconds * S / STEP)):
+            self.clock.advance_by(STEP)
+            if command is not None:
+                self.command(command)
+            for timer in self.clock.due():
+                self.clock.fire(timer)
+
+    def speed(self):
+        return self.told[-1].velocity[0] * 0.021
+
+    def latest_ns(self):
+        return max(
+            message.header.stamp.sec * S + message.header.stamp.nanosec for message in self.told)
+
+
+@pytest.fixture
+def robot(monkeypatch):
+    robots = []
+
+    def make(*clock, **parameters):
+        robots.append(Robot(monkeypatch, *clock, **parameters))
+        return robots[-1]
+
+    with domain_id():
+        yield make
+        for each in robots:
+            each.node.destroy_node()
+        rclpy.try_shutdown()
+
+
+@pytest.mark.parametrize('timeout', [0.0, 20.0])
+@pytest.mark.parametrize('limits', [{}, RAMPS], ids=['', 'ramps'])
+def test_a_shorter_timeout_ends_the_live_command_in_time_and_what_follows_is_obeyed(
+        robot, timeout, limits):
+    driven = robot(cmd_vel_timeout=timeout, **limits)
+    driven.wait(1.0, SPEED)
+    assert driven.speed() == pytest.approx(SPEED)
+    driven.configure(cmd_vel_timeout=0.5)
+    driven.wait(0.45)
+    assert driven.speed() == pytest.approx(SPEED)
+    driven.wait(1.0)
+    assert driven.speed() == 0.0 and driven.latest_ns() <= driven.clock.now_ns()
+    driven.wait(1.0, -SPEED)
+    assert driven.speed() == pytest.approx(-SPEED)
+    driven.wait(1.0, 0.0)
+    assert driven.speed() == 0.0 and driven.latest_ns() <= driven.clock.now_ns()
+
+
+def test_another_parameter_that_is_set_does_not_put_the_timeout_off(robot):
+    driven = robot(publish_rate=0.01)
+    driven.wait(0.1, SPEED)
+    driven.wait(0.4)
+    driven.configure(max_wheel_rate=100.0)
+    driven.wait(0.2)
+    assert driven.speed() == 0.0
+
+
+@pytest.mark.parametrize('step', [-S // 50, -S * 3 // 10, -S * 9 // 10, -3600 * S])
+@pytest.mark.parametrize('limits', [{}, {'linear.x.max_acceleration': 2.0}], ids=['', 'ramps'])
+def test_a_wall_clock_that_is_set_back_does_not_put_off_the_end_of_a_command(robot, step, limits):
+    driven = robot(WallClock, **limits)
+    driven.wait(1.0, SPEED)
+    assert driven.speed() == pytest.approx(SPEED)
+    driven.clock.ahead_ns += step
+    driven.wait(0.45)
+    assert driven.speed() == pytest.approx(SPEED)
+    driven.wait(0.1 + (0.12 if limits else 0.0))
+    assert driven.speed() == 0.0
+
+
+def test_a_wall_clock_that_is_set_back_does_not_put_off_a_stop_in_mid_ramp(robot):
+    driven = robot(WallClock, **RAMPS)
+    driven.wait(0.2, SPEED)
+    driven.clock.ahead_ns -= S * 9 // 10
+    driven.wait(0.25, 0.0)
+    assert driven.speed() == 0.0
+
+
+@pytest.mark.parametrize('step', [-S * 3 // 10, -S * 8 // 10])
+def test_stamped_commands_are_obeyed_at_once_when_the_wall_clock_was_set_back(robot, step):
+    driven = robot(WallClock, enable_stamped_cmd_vel=True)
+    driven.wait(0.1)
+    driven.command(SPEED, clocks.time.time_ns())
+    driven.clock.ahead_ns += step
+    driven.wait(0.01)
+    driven.command(2.0 * SPEED, clocks.time.time_ns())
+    assert driven.speed() == pytest.approx(2.0 * SPEED)
+    driven.wait(0.01)
+    driven.command(0.0, clocks.time.time_ns())
+    assert driven.speed() == 0.0
+
+
+def test_a_simulated_clock_that_is_told_rarely_does_not_stand(robot):
+    driven = robot(SlowClock, use_sim_time=True, **RAMPS)
+    driven.wait(8.0, 2.0 * SPEED)
+    assert driven.speed() == pytest.approx(2.0 * SPEED)
+    begun = len(driven.told)
+    driven.wait(6.0, SPEED)
+    speeds = [message.velocity[0] * 0.021 for message in driven.told[begun:]]
+    assert speeds[-1] == pytest.approx(SPEED) and min(speeds) >= SPEED - 1e-9
+    assert max(a - b for a, b in zip(speeds, speeds[1:])) <= 0.5 / 50.0 + 1e-9
+
+
+def test_a_simulated_clock_that_was_told_rarely_and_stands_brings_the_wheels_to_rest(robot):
+    driven = robot(SlowClock, use_sim_time=True, cmd_vel_timeout=0.0, **RAMPS)
+    driven.wait(6.0, SPEED)
+    driven.clock.stands = True
+    driven.wait(1.5, 0.1)
+    assert driven.speed() <= 0.1
+    driven.wait(0.1, 0.0)
+    assert driven.speed() == 0.0
+    told = len(driven.told)
+    driven.wait(1.0, 0.0)
+    assert len(driven.told) > told + 5 and driven.speed() == 0.0  # said again
+
+
+def test_while_a_clock_stands_wheels_at_rest_keep_the_target(robot):
+    driven = robot(SlowClock, use_sim_time=True, cmd_vel_timeout=0.0, max_wheel_rate=10.0,
+                   **{'linear.x.max_velocity': 0.0})
+    driven.wait(2.0, SPEED)
+    driven.clock.stands = True
+    driven.wait(2.0)
+    assert driven.speed() == 0.0
+    driven.configure(linear__x__max_velocity=0.1)
+    assert driven.speed() == pytest.approx(0.1)
+
+
+def test_a_command_from_before_an_emergency_stop_does_not_drive_when_it_is_over(robot):
+    driven = robot(enable_stamped_cmd_vel=True, emergency_stop_topic='stop')
+    for over in (False, True):  # from before the stop, and from before its end
+        driven.wait(0.1)
+        before_ns = driven.clock.now_ns()
+        driven.wait(0.01)
+        driven.node._stop._on_topic(Bool(data=True))
+        driven.wait(0.01)
+        if over:
+            before_ns = driven.clock.now_ns()
+            driven.wait(0.01)
+        driven.node._stop._on_topic(Bool(data=False))
+        driven.wait(0.1)
+        driven.command(SPEED, before_ns)
+        assert driven.speed() == 0.0
+    driven.command(SPEED, driven.clock.now_ns())
+    assert driven.speed() == pytest.approx(SPEED)
