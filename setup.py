@@ -57,6 +57,7 @@ setup(
     extras_require={
         'ros': ['ros-jazzy-rclpy[fastrtps]', 'ros-jazzy-common-interfaces'],
         'plot': ['matplotlib'],
+        'docs': ['myst-parser', 'numpydoc', 'sphinx'],
         'test': [
             'hypothesis',
             'matplotlib',

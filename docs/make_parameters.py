@@ -16,8 +16,8 @@
 
 import math
 
-from diffdrive_kinematics.nodes.entries import Entry
-from diffdrive_kinematics.nodes.tables import TABLES
+from diffdrive_kinematics.ros.parameters.entries import Entry
+from diffdrive_kinematics.ros.parameters.tables import TABLES
 
 HEAD = """# Parameters
 

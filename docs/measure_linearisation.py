@@ -22,10 +22,10 @@ reaches a given standard deviation; sampled truth over propagated covariance.  T
 import math
 from typing import NamedTuple
 
-from diffdrive_kinematics.core.arc import advance, Pose
-from diffdrive_kinematics.core.covariance import NO_COVARIANCE, propagated_covariance
-from diffdrive_kinematics.core.geometry import pose_change_from_travel, WheelGeometry
-from diffdrive_kinematics.core.noise import sample_travel, WheelSlip
+from diffdrive_kinematics.core.kinematics import (
+    advance, Pose, pose_change_from_travel, WheelGeometry)
+from diffdrive_kinematics.core.noise import (
+    NO_COVARIANCE, propagated_covariance, sample_travel, WheelSlip)
 import numpy as np
 
 GEOMETRY = WheelGeometry(wheel_separation=0.4, wheel_radius=0.1)

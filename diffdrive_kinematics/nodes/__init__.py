@@ -12,9 +12,4 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""
-Thin rclpy shells around ``diffdrive_kinematics.core``: message in, core, message out.
-
-One executable a module.  Shared by all: ``node`` (base class), ``parameters`` and ``tables``
-(what can be set), ``messages`` (conversions), ``running`` (executor, signals).
-"""
+"""The executables, one file each: a message in, the core, a message out."""

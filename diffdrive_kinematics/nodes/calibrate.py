@@ -18,22 +18,22 @@ from dataclasses import dataclass
 import sys
 from typing import Any, Mapping
 
-from diffdrive_kinematics.core.geometry import WheelGeometry
-from diffdrive_kinematics.nodes.calibration import Calibration, of_segments, of_squares, table
-from diffdrive_kinematics.nodes.calibration_file import check_writable, params_text, write
-from diffdrive_kinematics.nodes.calibration_sources import (
+from diffdrive_kinematics.core.kinematics import WheelGeometry
+from diffdrive_kinematics.ros.inputs.wheel_watch import WheelWatch
+from diffdrive_kinematics.ros.messages.wheel_joints import wheel_joints
+from diffdrive_kinematics.ros.messages.wheel_messages import WheelReader
+from diffdrive_kinematics.ros.parameters.from_values import check_sides, wheel_geometry
+from diffdrive_kinematics.ros.parameters.parameters import ConfigurationError
+from diffdrive_kinematics.ros.parameters.tables import CALIBRATE
+from diffdrive_kinematics.ros.runtime.clocks import SteadyTimers
+from diffdrive_kinematics.ros.runtime.last_word import HEARTBEAT_S
+from diffdrive_kinematics.ros.runtime.node import DiffDriveNode
+from diffdrive_kinematics.ros.runtime.output import exit_status, report
+from diffdrive_kinematics.ros.runtime.running import run, spin_node, Stop
+from diffdrive_kinematics.tools.calibration import Calibration, of_segments, of_squares, table
+from diffdrive_kinematics.tools.calibration_file import check_writable, params_text, write
+from diffdrive_kinematics.tools.calibration_sources import (
     Collection, motion_of, read_segments, read_square_runs)
-from diffdrive_kinematics.nodes.clocks import SteadyTimers
-from diffdrive_kinematics.nodes.from_values import check_sides, wheel_geometry
-from diffdrive_kinematics.nodes.last_word import HEARTBEAT_S
-from diffdrive_kinematics.nodes.node import DiffDriveNode
-from diffdrive_kinematics.nodes.output import exit_status, report
-from diffdrive_kinematics.nodes.parameters import ConfigurationError
-from diffdrive_kinematics.nodes.running import run, spin_node, Stop
-from diffdrive_kinematics.nodes.tables import CALIBRATE
-from diffdrive_kinematics.nodes.wheel_joints import wheel_joints
-from diffdrive_kinematics.nodes.wheel_messages import WheelReader
-from diffdrive_kinematics.nodes.wheel_watch import WheelWatch
 from geometry_msgs.msg import PoseStamped
 from nav_msgs.msg import Odometry
 from rclpy.clock import Clock
@@ -168,7 +168,7 @@ def conclude(calibration: Calibration, values: Mapping[str, Any]) -> str:
 
 
 def _picture(calibration: Calibration, name: str) -> bytes:
-    from diffdrive_kinematics.nodes.calibration_drawing import picture_of
+    from diffdrive_kinematics.tools.calibration_drawing import picture_of
     try:
         return picture_of(calibration, name.rpartition('.')[2])
     except ImportError as error:

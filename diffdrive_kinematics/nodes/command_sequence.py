@@ -18,18 +18,17 @@ from dataclasses import dataclass
 from importlib import import_module
 from typing import Any, Dict, List, Mapping, Sequence, Set
 
-from diffdrive_kinematics.core.playback import (
-    Course, course_from_commands, course_from_recording)
-from diffdrive_kinematics.core.sequence import Command
-from diffdrive_kinematics.core.square_course import square_course
-from diffdrive_kinematics.nodes.clocks import period_ns
-from diffdrive_kinematics.nodes.diagnostics import Diagnosis, Look, Trouble, WARN
-from diffdrive_kinematics.nodes.from_values import commands_from
-from diffdrive_kinematics.nodes.messages import TwistMessage
-from diffdrive_kinematics.nodes.node import DiffDriveNode
-from diffdrive_kinematics.nodes.recordings import COMMAND_COLUMNS, read_columns
-from diffdrive_kinematics.nodes.running import main_of
-from diffdrive_kinematics.nodes.tables import COMMAND_SEQUENCE
+from diffdrive_kinematics.core.commands import (
+    Course, course_from_commands, course_from_recording, square_course)
+from diffdrive_kinematics.core.kinematics import Command
+from diffdrive_kinematics.ros.messages.messages import TwistMessage
+from diffdrive_kinematics.ros.parameters.from_values import commands_from
+from diffdrive_kinematics.ros.parameters.tables import COMMAND_SEQUENCE
+from diffdrive_kinematics.ros.runtime.clocks import period_ns
+from diffdrive_kinematics.ros.runtime.diagnostics import Diagnosis, Look, Trouble, WARN
+from diffdrive_kinematics.ros.runtime.node import DiffDriveNode
+from diffdrive_kinematics.ros.runtime.running import main_of
+from diffdrive_kinematics.tools.recordings import COMMAND_COLUMNS, read_columns
 from geometry_msgs.msg import Twist, TwistStamped
 from rclpy.publisher import Publisher
 from rclpy.subscription import Subscription

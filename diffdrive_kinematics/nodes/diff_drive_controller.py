@@ -18,21 +18,20 @@ from dataclasses import dataclass
 import time
 from typing import Any, List, Mapping, Optional, Sequence
 
-from diffdrive_kinematics.core.drive import (
-    Drive, DriveSettings, DriveTelling, STILL, Twist)
-from diffdrive_kinematics.nodes.command_intake import Backlog, CommandIntake, LATE_NS
-from diffdrive_kinematics.nodes.diagnostics import (
-    Diagnosis, heard_values, Look, OK, quiet, slowness, unheard)
-from diffdrive_kinematics.nodes.emergency_stop import EmergencyStop
-from diffdrive_kinematics.nodes.from_values import (
+from diffdrive_kinematics.core.commands import Drive, DriveSettings, DriveTelling, STILL, Twist
+from diffdrive_kinematics.ros.inputs.command_intake import Backlog, CommandIntake, LATE_NS
+from diffdrive_kinematics.ros.inputs.emergency_stop import EmergencyStop
+from diffdrive_kinematics.ros.inputs.publisher_watch import PublisherWatch
+from diffdrive_kinematics.ros.messages.messages import TwistMessage
+from diffdrive_kinematics.ros.messages.wheel_joints import wheel_joints
+from diffdrive_kinematics.ros.messages.wheel_messages import WheelCommandMessage, WheelMessage
+from diffdrive_kinematics.ros.parameters.from_values import (
     axis_limits, check_sides, check_wiring, wheel_geometry)
-from diffdrive_kinematics.nodes.messages import TwistMessage
-from diffdrive_kinematics.nodes.node import DiffDriveNode
-from diffdrive_kinematics.nodes.publisher_watch import PublisherWatch
-from diffdrive_kinematics.nodes.running import main_of
-from diffdrive_kinematics.nodes.tables import DIFF_DRIVE_CONTROLLER
-from diffdrive_kinematics.nodes.wheel_joints import wheel_joints
-from diffdrive_kinematics.nodes.wheel_messages import WheelCommandMessage, WheelMessage
+from diffdrive_kinematics.ros.parameters.tables import DIFF_DRIVE_CONTROLLER
+from diffdrive_kinematics.ros.runtime.diagnostics import (
+    Diagnosis, heard_values, Look, OK, quiet, slowness, unheard)
+from diffdrive_kinematics.ros.runtime.node import DiffDriveNode
+from diffdrive_kinematics.ros.runtime.running import main_of
 from geometry_msgs.msg import Twist as TwistMsg, TwistStamped
 from rclpy.publisher import Publisher
 from sensor_msgs.msg import JointState

@@ -21,15 +21,15 @@ import sys
 import time
 from typing import Any, Dict, List, Mapping, Tuple, Type, TYPE_CHECKING
 
-from diffdrive_kinematics.nodes.alone import check_alone, Disturbed, keep_to_this_machine
-from diffdrive_kinematics.nodes.clocks import SteadyTimers, SteppedClock
-from diffdrive_kinematics.nodes.node import DiffDriveNode
-from diffdrive_kinematics.nodes.output import exit_status, report, show
-from diffdrive_kinematics.nodes.report import drift_table, progress_line, Robot
-from diffdrive_kinematics.nodes.running import finish, make_executor, run, spin, Stop
-from diffdrive_kinematics.nodes.share import with_params_file
-from diffdrive_kinematics.nodes.tables import DIFFDRIVE_SIM
-from diffdrive_kinematics.nodes.traffic import Traffic
+from diffdrive_kinematics.ros.parameters.share import with_params_file
+from diffdrive_kinematics.ros.parameters.tables import DIFFDRIVE_SIM
+from diffdrive_kinematics.ros.runtime.alone import check_alone, Disturbed, keep_to_this_machine
+from diffdrive_kinematics.ros.runtime.clocks import SteadyTimers, SteppedClock
+from diffdrive_kinematics.ros.runtime.node import DiffDriveNode
+from diffdrive_kinematics.ros.runtime.output import exit_status, report, show
+from diffdrive_kinematics.ros.runtime.running import finish, make_executor, run, spin, Stop
+from diffdrive_kinematics.ros.runtime.traffic import Traffic
+from diffdrive_kinematics.tools.report import drift_table, progress_line, Robot
 from rclpy.logging import get_logger
 
 if TYPE_CHECKING:
@@ -108,7 +108,7 @@ class DiffDriveSim(DiffDriveNode[Config]):
             for kind, member in zip(classes, self.config.members)]
         self.stepper: Any = None
         if self.config.clock_step_ns:
-            from diffdrive_kinematics.nodes.stepping import Stepper
+            from diffdrive_kinematics.ros.runtime.stepping import Stepper
             self.stepper = Stepper(
                 self, self.members, step_ns=self.config.clock_step_ns,
                 real_time_factor=self.config.real_time_factor, **shared)

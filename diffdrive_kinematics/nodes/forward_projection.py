@@ -18,28 +18,24 @@ from dataclasses import dataclass
 import math
 from typing import Any, List, Mapping, Optional, Tuple, Union
 
-from diffdrive_kinematics.core import odometry as core
-from diffdrive_kinematics.core.arc import Pose
-from diffdrive_kinematics.core.distributions import unit_bound
-from diffdrive_kinematics.core.geometry import WheelGeometry
-from diffdrive_kinematics.core.noise import WheelSlip
-from diffdrive_kinematics.core.projected import Projected, projected
-from diffdrive_kinematics.core.sequence import Command
-from diffdrive_kinematics.core.wheel_motion import timeout_from_seconds
-from diffdrive_kinematics.nodes.diagnostics import (
-    Diagnosis, heard_values, Look, quiet, stamp_values, unheard)
-from diffdrive_kinematics.nodes.from_values import (
+from diffdrive_kinematics.core.kinematics import Command, Pose, WheelGeometry
+from diffdrive_kinematics.core.noise import Projected, projected, unit_bound, WheelSlip
+from diffdrive_kinematics.core.odometry import odometry as core
+from diffdrive_kinematics.core.odometry import timeout_from_seconds
+from diffdrive_kinematics.ros.inputs.other_clock import StampWatch
+from diffdrive_kinematics.ros.inputs.wheel_watch import WheelWatch
+from diffdrive_kinematics.ros.messages.messages import nanoseconds, pose_in_plane
+from diffdrive_kinematics.ros.messages.projection_messages import polygon_message, poses_message
+from diffdrive_kinematics.ros.messages.wheel_joints import wheel_joints
+from diffdrive_kinematics.ros.messages.wheel_messages import WheelReader
+from diffdrive_kinematics.ros.parameters.from_values import (
     check_sides, check_wiring, wheel_geometry, wheel_slips)
-from diffdrive_kinematics.nodes.messages import nanoseconds, pose_in_plane
-from diffdrive_kinematics.nodes.node import DiffDriveNode
-from diffdrive_kinematics.nodes.other_clock import StampWatch
-from diffdrive_kinematics.nodes.projection_messages import polygon_message, poses_message
-from diffdrive_kinematics.nodes.running import main_of
-from diffdrive_kinematics.nodes.tables import FORWARD_PROJECTION
-from diffdrive_kinematics.nodes.wheel_joints import wheel_joints
-from diffdrive_kinematics.nodes.wheel_messages import WheelReader
-from diffdrive_kinematics.nodes.wheel_watch import WheelWatch
-from diffdrive_kinematics.nodes.worker import InPlace, Worker
+from diffdrive_kinematics.ros.parameters.tables import FORWARD_PROJECTION
+from diffdrive_kinematics.ros.runtime.diagnostics import (
+    Diagnosis, heard_values, Look, quiet, stamp_values, unheard)
+from diffdrive_kinematics.ros.runtime.node import DiffDriveNode
+from diffdrive_kinematics.ros.runtime.running import main_of
+from diffdrive_kinematics.ros.runtime.worker import InPlace, Worker
 from geometry_msgs.msg import PolygonStamped, PoseArray
 from nav_msgs.msg import Odometry
 from rclpy.publisher import Publisher

@@ -18,17 +18,16 @@ from dataclasses import dataclass
 import math
 from typing import Any, List, Mapping, NamedTuple, Optional, Sequence, Union
 
-from diffdrive_kinematics.core.arc import Pose
-from diffdrive_kinematics.core.checks import check_finite
 from diffdrive_kinematics.core.commands import (
     Approach, HeadingRegulator, Law, PointForward, Points, points_of, PoseController, PurePursuit,
     Steered, SteeringLimits)
-from diffdrive_kinematics.nodes.diagnostics import (
+from diffdrive_kinematics.core.kinematics import check_finite, Pose
+from diffdrive_kinematics.ros.messages.messages import nanoseconds, pose_in_plane, TwistMessage
+from diffdrive_kinematics.ros.parameters.tables import GOAL_STEERING
+from diffdrive_kinematics.ros.runtime.diagnostics import (
     Diagnosis, heard_values, Look, quiet, unheard)
-from diffdrive_kinematics.nodes.messages import nanoseconds, pose_in_plane, TwistMessage
-from diffdrive_kinematics.nodes.node import DiffDriveNode
-from diffdrive_kinematics.nodes.running import main_of
-from diffdrive_kinematics.nodes.tables import GOAL_STEERING
+from diffdrive_kinematics.ros.runtime.node import DiffDriveNode
+from diffdrive_kinematics.ros.runtime.running import main_of
 from geometry_msgs.msg import PoseStamped, Twist, TwistStamped
 from nav_msgs.msg import Odometry, Path
 from rclpy.publisher import Publisher

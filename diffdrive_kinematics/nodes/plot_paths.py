@@ -19,24 +19,19 @@ import math
 import sys
 from typing import Any, List, Mapping, Tuple, Union
 
-from diffdrive_kinematics.core.arc import Pose
-from diffdrive_kinematics.core.covariance import (
-    heading_covariance, PoseCovariance, propagated_covariance)
-from diffdrive_kinematics.core.distributions import sample_heading, unit_bound
-from diffdrive_kinematics.core.geometry import WheelGeometry
-from diffdrive_kinematics.core.noise import WheelSlip
-from diffdrive_kinematics.core.projection import sample_paths, travel_of_command
-from diffdrive_kinematics.core.reachable import reachable_set_from_slip
-from diffdrive_kinematics.core.sequence import Command
-from diffdrive_kinematics.nodes.drawing import draw, Picture
-from diffdrive_kinematics.nodes.from_values import commands_from, wheel_slips
-from diffdrive_kinematics.nodes.model_paths import model_config, model_pictures, ModelConfig
-from diffdrive_kinematics.nodes.node import DiffDriveNode
-from diffdrive_kinematics.nodes.output import exit_status, report
-from diffdrive_kinematics.nodes.parameters import ConfigurationError
-from diffdrive_kinematics.nodes.running import run, Stop
-from diffdrive_kinematics.nodes.share import with_params_file
-from diffdrive_kinematics.nodes.tables import PLOT_PATHS
+from diffdrive_kinematics.core.kinematics import Command, Pose, WheelGeometry
+from diffdrive_kinematics.core.noise import (
+    heading_covariance, PoseCovariance, propagated_covariance, reachable_set_from_slip,
+    sample_heading, sample_paths, travel_of_command, unit_bound, WheelSlip)
+from diffdrive_kinematics.ros.parameters.from_values import commands_from, wheel_slips
+from diffdrive_kinematics.ros.parameters.parameters import ConfigurationError
+from diffdrive_kinematics.ros.parameters.share import with_params_file
+from diffdrive_kinematics.ros.parameters.tables import PLOT_PATHS
+from diffdrive_kinematics.ros.runtime.node import DiffDriveNode
+from diffdrive_kinematics.ros.runtime.output import exit_status, report
+from diffdrive_kinematics.ros.runtime.running import run, Stop
+from diffdrive_kinematics.tools.drawing import draw, Picture
+from diffdrive_kinematics.tools.model_paths import model_config, model_pictures, ModelConfig
 import numpy as np
 
 MISSING = (

@@ -17,14 +17,14 @@ from dataclasses import dataclass
 import math
 from typing import Any, Mapping
 
-from diffdrive_kinematics.nodes.from_values import check_sides, wheel_geometry
-from diffdrive_kinematics.nodes.node import DiffDriveNode
-from diffdrive_kinematics.nodes.parameters import ConfigurationError
-from diffdrive_kinematics.nodes.qos import latched
-from diffdrive_kinematics.nodes.running import main_of
-from diffdrive_kinematics.nodes.tables import ROBOT_DESCRIPTION
-from diffdrive_kinematics.nodes.urdf import default_wheel_base, Shape, urdf_of
-from diffdrive_kinematics.nodes.wheel_joints import wheel_joints
+from diffdrive_kinematics.ros.messages.urdf import default_wheel_base, Shape, urdf_of
+from diffdrive_kinematics.ros.messages.wheel_joints import wheel_joints
+from diffdrive_kinematics.ros.parameters.from_values import check_sides, wheel_geometry
+from diffdrive_kinematics.ros.parameters.parameters import ConfigurationError
+from diffdrive_kinematics.ros.parameters.qos import latched
+from diffdrive_kinematics.ros.parameters.tables import ROBOT_DESCRIPTION
+from diffdrive_kinematics.ros.runtime.node import DiffDriveNode
+from diffdrive_kinematics.ros.runtime.running import main_of
 from std_msgs.msg import String
 
 WIDTH = 0.5  # of a wheel whose width is not set, in radii

@@ -18,31 +18,28 @@ from dataclasses import dataclass
 import math
 from typing import Any, Mapping, Optional, Tuple
 
-from diffdrive_kinematics.core import odometry as core
-from diffdrive_kinematics.core.arc import Pose
-from diffdrive_kinematics.core.covariance import (
-    heading_covariance, NO_COVARIANCE, PoseCovariance, twist_covariance)
-from diffdrive_kinematics.core.distributions import sample_heading
-from diffdrive_kinematics.core.encoders import Encoder
-from diffdrive_kinematics.core.frames import composed, inverted, OdometryHistory
-from diffdrive_kinematics.core.geometry import WheelGeometry
-from diffdrive_kinematics.core.measured_wheels import MeasuredWheels
-from diffdrive_kinematics.core.rate_window import RateWindow
-from diffdrive_kinematics.core.wheel_motion import Pair, timeout_from_seconds, Verdict
-from diffdrive_kinematics.nodes.diagnostics import (
-    Diagnosis, heard_values, Look, quiet, slowness, stamp_values, unheard)
-from diffdrive_kinematics.nodes.driver_watch import DriverWatch
-from diffdrive_kinematics.nodes.from_values import check_sides, check_wiring, wheel_geometry
-from diffdrive_kinematics.nodes.messages import (
+from diffdrive_kinematics.core.kinematics import Pose, WheelGeometry
+from diffdrive_kinematics.core.noise import (
+    heading_covariance, NO_COVARIANCE, PoseCovariance, sample_heading, twist_covariance)
+from diffdrive_kinematics.core.odometry import (
+    composed, Encoder, inverted, MeasuredWheels, OdometryHistory, Pair, RateWindow,
+    timeout_from_seconds, Verdict)
+from diffdrive_kinematics.core.odometry import odometry as core
+from diffdrive_kinematics.ros.inputs.driver_watch import DriverWatch
+from diffdrive_kinematics.ros.inputs.wheel_watch import WheelWatch
+from diffdrive_kinematics.ros.messages.messages import (
     check_stamp, given_pose, nanoseconds, OdometryMessage, pose_in_plane)
-from diffdrive_kinematics.nodes.node import DiffDriveNode
-from diffdrive_kinematics.nodes.path import PathPublisher
-from diffdrive_kinematics.nodes.running import main_of
-from diffdrive_kinematics.nodes.tables import SIMULATED_BASE
-from diffdrive_kinematics.nodes.tf import frame_prefix, TransformPublisher
-from diffdrive_kinematics.nodes.wheel_joints import wheel_joints
-from diffdrive_kinematics.nodes.wheel_messages import WheelMessage, WheelReader
-from diffdrive_kinematics.nodes.wheel_watch import WheelWatch
+from diffdrive_kinematics.ros.messages.wheel_joints import wheel_joints
+from diffdrive_kinematics.ros.messages.wheel_messages import WheelMessage, WheelReader
+from diffdrive_kinematics.ros.parameters.from_values import (
+    check_sides, check_wiring, wheel_geometry)
+from diffdrive_kinematics.ros.parameters.tables import SIMULATED_BASE
+from diffdrive_kinematics.ros.publishers.path import PathPublisher
+from diffdrive_kinematics.ros.publishers.tf import frame_prefix, TransformPublisher
+from diffdrive_kinematics.ros.runtime.diagnostics import (
+    Diagnosis, heard_values, Look, quiet, slowness, stamp_values, unheard)
+from diffdrive_kinematics.ros.runtime.node import DiffDriveNode
+from diffdrive_kinematics.ros.runtime.running import main_of
 from geometry_msgs.msg import PoseWithCovarianceStamped
 from nav_msgs.msg import Odometry
 import numpy as np

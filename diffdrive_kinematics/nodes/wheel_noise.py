@@ -17,18 +17,17 @@
 from dataclasses import dataclass, replace
 from typing import Any, Mapping
 
-from diffdrive_kinematics.core.slip_stream import SlipStream
-from diffdrive_kinematics.core.wheel_motion import timeout_from_seconds
-from diffdrive_kinematics.nodes.diagnostics import (
-    Diagnosis, heard_values, Look, quiet, stamp_values, unheard)
-from diffdrive_kinematics.nodes.from_values import (
+from diffdrive_kinematics.core.odometry import SlipStream, timeout_from_seconds
+from diffdrive_kinematics.ros.inputs.wheel_watch import WheelWatch
+from diffdrive_kinematics.ros.messages.wheel_joints import wheel_joints
+from diffdrive_kinematics.ros.messages.wheel_messages import WheelMessage, WheelReader
+from diffdrive_kinematics.ros.parameters.from_values import (
     check_sides, check_wiring, wheel_radii, wheel_slips)
-from diffdrive_kinematics.nodes.node import DiffDriveNode
-from diffdrive_kinematics.nodes.running import main_of
-from diffdrive_kinematics.nodes.tables import WHEEL_NOISE
-from diffdrive_kinematics.nodes.wheel_joints import wheel_joints
-from diffdrive_kinematics.nodes.wheel_messages import WheelMessage, WheelReader
-from diffdrive_kinematics.nodes.wheel_watch import WheelWatch
+from diffdrive_kinematics.ros.parameters.tables import WHEEL_NOISE
+from diffdrive_kinematics.ros.runtime.diagnostics import (
+    Diagnosis, heard_values, Look, quiet, stamp_values, unheard)
+from diffdrive_kinematics.ros.runtime.node import DiffDriveNode
+from diffdrive_kinematics.ros.runtime.running import main_of
 import numpy as np
 from sensor_msgs.msg import JointState
 

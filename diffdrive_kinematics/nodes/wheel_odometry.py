@@ -16,9 +16,9 @@
 
 from typing import Any
 
-from diffdrive_kinematics.nodes.running import main_of
 from diffdrive_kinematics.nodes.simulated_base import SimulatedBase
-from diffdrive_kinematics.nodes.tables import WHEEL_ODOMETRY
+from diffdrive_kinematics.ros.parameters.tables import WHEEL_ODOMETRY
+from diffdrive_kinematics.ros.runtime.running import main_of
 
 
 class WheelOdometry(SimulatedBase):

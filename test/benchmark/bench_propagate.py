@@ -45,10 +45,8 @@ import sys
 import tempfile
 import time
 
-from diffdrive_kinematics.core.arc import Pose
-from diffdrive_kinematics.core.geometry import WheelGeometry
-from diffdrive_kinematics.core.noise import WheelSlip
-from diffdrive_kinematics.core.projection import propagate, step_noise
+from diffdrive_kinematics.core.kinematics import Pose, WheelGeometry
+from diffdrive_kinematics.core.noise import propagate, step_noise, WheelSlip
 import numpy as np
 
 HERE = Path(__file__).resolve().parent

@@ -30,14 +30,10 @@ import numpy as np
 TEST = Path(__file__).resolve().parents[1]
 sys.path[:0] = [str(TEST.parent), str(TEST / 'support')]
 
-from diffdrive_kinematics.core.geometry import WheelGeometry  # noqa: E402, I100
-from diffdrive_kinematics.core.recording import segment_from_commands  # noqa: E402
-from diffdrive_kinematics.core.segment_slip import fit_segment_slip  # noqa: E402
-from diffdrive_kinematics.core.trajectory_fit import (  # noqa: E402
-    Clock, COMMANDED, fit_trajectory, NO_FRAME)
-from diffdrive_kinematics.core.trajectory_windows import (  # noqa: E402
-    linearised, Systematic, windows_between)
-from diffdrive_kinematics.core.umbmark import corrected, ReturnError, umbmark  # noqa: E402
+from diffdrive_kinematics.core.calibration import (  # noqa: E402, I100
+    Clock, COMMANDED, corrected, fit_segment_slip, fit_trajectory, linearised, NO_FRAME,
+    ReturnError, segment_from_commands, Systematic, umbmark, windows_between)
+from diffdrive_kinematics.core.kinematics import WheelGeometry  # noqa: E402, I100
 from end_points import encoder_segment, predicted_end  # noqa: E402
 from recorded import RADIUS, SEPARATION  # noqa: E402
 

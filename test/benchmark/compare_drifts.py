@@ -36,12 +36,12 @@ sys.path[:0] = [str(TEST.parent), str(TEST / 'support'), str(TEST / 'benchmark')
 
 from calibrate_recordings import (  # noqa: E402, I100
     commanded_halves, CREATE, ENCODERS, SESSIONS)
-from diffdrive_kinematics.core.angles import wrap_angle  # noqa: E402
-from diffdrive_kinematics.core.segment_slip import fit_segment_slip  # noqa: E402
-from diffdrive_kinematics.core.trajectory_fit import (  # noqa: E402
+from diffdrive_kinematics.core.calibration.segment_slip import fit_segment_slip  # noqa: E402
+from diffdrive_kinematics.core.calibration.trajectory_fit import (  # noqa: E402
     Clock, COMMANDED, fit_trajectory)
-from diffdrive_kinematics.core.trajectory_windows import (  # noqa: E402
+from diffdrive_kinematics.core.calibration.trajectory_windows import (  # noqa: E402
     linearised, Systematic, windows_between)
+from diffdrive_kinematics.core.kinematics.angles import wrap_angle  # noqa: E402
 from end_points import encoder_segment  # noqa: E402
 
 WINDOW_S, SEEDS = 10.0, 200

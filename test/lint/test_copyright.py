@@ -55,7 +55,7 @@ def python_files(root):
 def test_every_python_file_starts_with_the_licence_header():
     """A file without the header has no known licence."""
     files = sorted(python_files(ROOT))
-    assert ROOT / 'diffdrive_kinematics/core/arc.py' in files
+    assert ROOT / 'diffdrive_kinematics/core/kinematics/arc.py' in files
     without = [str(file.relative_to(ROOT)) for file in files
                if not HEADER.match(file.read_text(encoding='utf-8'))]
     assert not without

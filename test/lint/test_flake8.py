@@ -35,4 +35,4 @@ def test_flake8_finds_nothing():
     code = checked.returncode
     findings, _, files = checked.stdout.partition('Checked files:')
     assert code == 0, findings + checked.stderr
-    assert str(ROOT / 'diffdrive_kinematics/core/arc.py') in files
+    assert str(ROOT / 'diffdrive_kinematics/core/kinematics/arc.py') in files

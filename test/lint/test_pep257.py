@@ -31,5 +31,5 @@ def test_pep257_finds_nothing(capfd, caplog):
     caplog.set_level(logging.WARNING, logger='pydocstyle.utils')  # else a line for each file
     code = main(argv=SOURCES)
     out, err = capfd.readouterr()
-    assert f'checking {ROOT / "diffdrive_kinematics/core/arc.py"}' in out
+    assert f'checking {ROOT / "diffdrive_kinematics/core/kinematics/arc.py"}' in out
     assert code == 0, err

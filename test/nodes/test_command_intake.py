@@ -18,7 +18,7 @@ from collections import Counter
 import time
 from types import SimpleNamespace
 
-from diffdrive_kinematics.nodes.command_intake import CommandIntake
+from diffdrive_kinematics.ros.inputs.command_intake import CommandIntake
 from geometry_msgs.msg import Twist, TwistStamped
 from graph import twist, twist_stamped
 from hypothesis import given, strategies as st

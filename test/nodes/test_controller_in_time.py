@@ -14,9 +14,9 @@
 
 """The controller in this process, on a clock that is set: what it tells, and with which stamps."""
 
-from diffdrive_kinematics.nodes import clocks, node as node_module
-from diffdrive_kinematics.nodes.clocks import SteadyTimers, SteppedClock
 from diffdrive_kinematics.nodes.diff_drive_controller import DiffDriveController
+from diffdrive_kinematics.ros.runtime import clocks, node as node_module
+from diffdrive_kinematics.ros.runtime.clocks import SteadyTimers, SteppedClock
 from domain_coordinator import domain_id
 from graph import twist, twist_stamped
 import pytest

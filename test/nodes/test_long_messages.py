@@ -17,10 +17,10 @@
 import math
 import time
 
-from diffdrive_kinematics.core.arc import Pose
-from diffdrive_kinematics.nodes.messages import quaternion_of, set_stamp
-from diffdrive_kinematics.nodes.path import PathMessage
-from diffdrive_kinematics.nodes.projection_messages import polygon_message, poses_message
+from diffdrive_kinematics.core.kinematics import Pose
+from diffdrive_kinematics.ros.messages.messages import quaternion_of, set_stamp
+from diffdrive_kinematics.ros.messages.projection_messages import polygon_message, poses_message
+from diffdrive_kinematics.ros.publishers.path import PathMessage
 from geometry_msgs.msg import Point32, PolygonStamped, Pose as PoseMsg, PoseArray, PoseStamped
 from hypothesis import given, settings, strategies as st
 from nav_msgs.msg import Path

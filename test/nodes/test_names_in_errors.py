@@ -16,10 +16,10 @@
 
 import math
 
-from diffdrive_kinematics.nodes.from_values import axis_limits
-from diffdrive_kinematics.nodes.parameters import coerce
-from diffdrive_kinematics.nodes.tables import DIFF_DRIVE_CONTROLLER, LIMITS, TABLES
-from diffdrive_kinematics.nodes.tf import frame_prefix
+from diffdrive_kinematics.ros.parameters.from_values import axis_limits
+from diffdrive_kinematics.ros.parameters.parameters import coerce
+from diffdrive_kinematics.ros.parameters.tables import DIFF_DRIVE_CONTROLLER, LIMITS, TABLES
+from diffdrive_kinematics.ros.publishers.tf import frame_prefix
 import pytest
 
 FRAMES = [(kind, entry) for kind, table in TABLES.items() for entry in table

@@ -17,9 +17,9 @@
 import ast
 from pathlib import Path
 
-from diffdrive_kinematics.nodes.overrides import given_overrides
-from diffdrive_kinematics.nodes.refusals import ConfigurationError
 from diffdrive_kinematics.nodes.simulated_base import SimulatedBase
+from diffdrive_kinematics.ros.parameters.configuration_error import ConfigurationError
+from diffdrive_kinematics.ros.parameters.overrides import given_overrides
 import pytest
 import rclpy
 from rclpy.node import Node

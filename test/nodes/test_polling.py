@@ -17,11 +17,11 @@
 from contextlib import contextmanager
 import time
 
-from diffdrive_kinematics.nodes import node as node_module
-from diffdrive_kinematics.nodes.clocks import SteadyTimers
-from diffdrive_kinematics.nodes.polling import QUEUE_DEPTH
-from diffdrive_kinematics.nodes.running import make_executor
 from diffdrive_kinematics.nodes.simulated_base import SimulatedBase
+from diffdrive_kinematics.ros.runtime import node as node_module
+from diffdrive_kinematics.ros.runtime.clocks import SteadyTimers
+from diffdrive_kinematics.ros.runtime.polling import QUEUE_DEPTH
+from diffdrive_kinematics.ros.runtime.running import make_executor
 from graph import KHEPERA, set_stamp
 from inside import initialised
 import pytest

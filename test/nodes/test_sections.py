@@ -14,8 +14,8 @@
 
 """Sections of params files: which nodes have them, and which are reported as meant for another."""
 
-from diffdrive_kinematics.nodes.sections import doubts, matches, params_files, sections_of
-from diffdrive_kinematics.nodes.tables import TABLES
+from diffdrive_kinematics.ros.parameters.sections import doubts, matches, params_files, sections_of
+from diffdrive_kinematics.ros.parameters.tables import TABLES
 import pytest
 import rclpy
 from rclpy.node import Node

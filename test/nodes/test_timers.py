@@ -16,8 +16,8 @@
 
 from types import SimpleNamespace
 
-from diffdrive_kinematics.nodes import clocks
-from diffdrive_kinematics.nodes.clocks import SteadyTimers, SteppedClock, StepWatch, Timer
+from diffdrive_kinematics.ros.runtime import clocks
+from diffdrive_kinematics.ros.runtime.clocks import SteadyTimers, SteppedClock, StepWatch, Timer
 from hypothesis import given, strategies as st
 import pytest
 

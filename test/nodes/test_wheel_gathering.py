@@ -16,9 +16,9 @@
 
 import math
 
-from diffdrive_kinematics.core.sources import Spoken
-from diffdrive_kinematics.nodes.wheel_gathering import Gathering
-from diffdrive_kinematics.nodes.wheel_joints import WheelJoints
+from diffdrive_kinematics.core.odometry import Spoken
+from diffdrive_kinematics.ros.messages.wheel_gathering import Gathering
+from diffdrive_kinematics.ros.messages.wheel_joints import WheelJoints
 import pytest
 
 MS = 10**6

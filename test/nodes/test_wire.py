@@ -18,16 +18,15 @@ import itertools
 import math
 import struct
 
-from diffdrive_kinematics.core.arc import Pose
-from diffdrive_kinematics.core.encoders import Encoder
-from diffdrive_kinematics.core.odometry import BaseReading
-from diffdrive_kinematics.nodes.messages import (
+from diffdrive_kinematics.core.kinematics import Pose
+from diffdrive_kinematics.core.odometry import BaseReading, Encoder
+from diffdrive_kinematics.ros.messages.messages import (
     command_in, OdometryMessage, quaternion_of, set_stamp, TwistMessage)
-from diffdrive_kinematics.nodes.tf import TransformMessage
-from diffdrive_kinematics.nodes.wheel_joints import WheelJoints
-from diffdrive_kinematics.nodes.wheel_messages import (
+from diffdrive_kinematics.ros.messages.wheel_joints import WheelJoints
+from diffdrive_kinematics.ros.messages.wheel_messages import (
     WheelCommandMessage, WheelMessage, WheelReader)
-from diffdrive_kinematics.nodes.wire import Layout
+from diffdrive_kinematics.ros.messages.wire import Layout
+from diffdrive_kinematics.ros.publishers.tf import TransformMessage
 from geometry_msgs.msg import TransformStamped, Twist, TwistStamped
 from hypothesis import given, settings, strategies as st
 from nav_msgs.msg import Odometry
@@ -208,7 +207,7 @@ def test_a_known_layout_is_read_without_an_object(monkeypatch):
     reader, messages = WheelReader(joints), WheelMessage(joints, 'me')
     first = reader.read(messages.filled(1, (1.0, 2.0), (3.0, 4.0)), int)
     monkeypatch.setattr(
-        'diffdrive_kinematics.nodes.wheel_messages.deserialize_message', pytest.fail)
+        'diffdrive_kinematics.ros.messages.wheel_messages.deserialize_message', pytest.fail)
     second = reader.read(messages.filled(2, (5.0, 6.0), (7.0, 8.0)), int)
     assert (first.rates, first.positions) == ((1.0, 2.0), (3.0, 4.0))
     assert (second.stamp_ns, second.rates, second.positions, second.source) == (

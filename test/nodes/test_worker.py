@@ -19,8 +19,8 @@ import signal
 import threading
 import time
 
-from diffdrive_kinematics.nodes import worker as module
-from diffdrive_kinematics.nodes.worker import InPlace, Worker
+from diffdrive_kinematics.ros.runtime import worker as module
+from diffdrive_kinematics.ros.runtime.worker import InPlace, Worker
 import pytest
 
 DEADLINE_S = 60.0

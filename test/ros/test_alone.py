@@ -17,7 +17,7 @@
 from pathlib import Path
 import re
 
-from diffdrive_kinematics.nodes.alone import keep_to_this_machine, RANGE, REACH
+from diffdrive_kinematics.ros.runtime.alone import keep_to_this_machine, RANGE, REACH
 from geometry_msgs.msg import Twist
 from graph import twist
 from nav_msgs.msg import Odometry

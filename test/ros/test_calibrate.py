@@ -18,10 +18,10 @@ import math
 import re
 
 from builtin_interfaces.msg import Time
-from diffdrive_kinematics.core.arc import advance, Pose
-from diffdrive_kinematics.core.geometry import twist_from_wheel_rates, WheelGeometry
-from diffdrive_kinematics.core.wheel_motion import WheelSample
-from diffdrive_kinematics.nodes.calibration_sources import Collection
+from diffdrive_kinematics.core.kinematics import (
+    advance, Pose, twist_from_wheel_rates, WheelGeometry)
+from diffdrive_kinematics.core.odometry import WheelSample
+from diffdrive_kinematics.tools.calibration_sources import Collection
 from geometry_msgs.msg import Pose as PoseMsg
 from geometry_msgs.msg import PoseStamped
 from graph import KHEPERA, set_stamp

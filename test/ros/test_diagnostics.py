@@ -17,10 +17,10 @@ import math
 
 from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
-from diffdrive_kinematics.nodes.diagnostics import (
-    Diagnosis, Heard, Look, quiet, Reporter, slowness, Trouble, unheard)
 from diffdrive_kinematics.nodes.simulated_base import SimulatedBase
 from diffdrive_kinematics.nodes.wheel_noise import WheelNoise
+from diffdrive_kinematics.ros.runtime.diagnostics import (
+    Diagnosis, Heard, Look, quiet, Reporter, slowness, Trouble, unheard)
 from geometry_msgs.msg import Twist
 from graph import KHEPERA, set_stamp, stamp_ns, twist
 from health import collect, ERROR, OK, wait_for_level, WARN

@@ -17,9 +17,9 @@
 import math
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
-from diffdrive_kinematics.core.velocity_check import Contradiction
-from diffdrive_kinematics.nodes.driver_watch import clock_text, velocity_text
+from diffdrive_kinematics.core.odometry import Contradiction
 from diffdrive_kinematics.nodes.simulated_base import SimulatedBase
+from diffdrive_kinematics.ros.inputs.driver_watch import clock_text, velocity_text
 from graph import KHEPERA, set_stamp
 from inside import inside, START_NS
 from nav_msgs.msg import Odometry

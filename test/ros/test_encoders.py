@@ -16,7 +16,7 @@
 
 import math
 
-from diffdrive_kinematics.core.encoders import Encoder
+from diffdrive_kinematics.core.odometry import Encoder
 from geometry_msgs.msg import Twist
 from graph import KHEPERA, set_stamp, stamp_ns, twist
 from nav_msgs.msg import Odometry

@@ -17,8 +17,8 @@
 from contextlib import contextmanager
 import time
 
-from diffdrive_kinematics.nodes.running import make_executor
 from diffdrive_kinematics.nodes.simulated_base import SimulatedBase
+from diffdrive_kinematics.ros.runtime.running import make_executor
 from geometry_msgs.msg import PoseWithCovarianceStamped, Twist
 from graph import KHEPERA, set_stamp, stamp_ns, twist
 from inside import initialised

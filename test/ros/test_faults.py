@@ -23,8 +23,7 @@ import statistics
 import time
 
 from builtin_interfaces.msg import Time
-from diffdrive_kinematics.core.arc import advance, Pose
-from diffdrive_kinematics.core.geometry import WheelGeometry
+from diffdrive_kinematics.core.kinematics import advance, Pose, WheelGeometry
 from geometry_msgs.msg import Twist
 from graph import KHEPERA, set_stamp, stamp_ns, twist
 from nav_msgs.msg import Odometry

@@ -18,10 +18,10 @@ import importlib.util
 import math
 from pathlib import Path
 
-from diffdrive_kinematics.nodes.model_paths import model_pictures
-from diffdrive_kinematics.nodes.parameters import coerce
 from diffdrive_kinematics.nodes.plot_paths import build
-from diffdrive_kinematics.nodes.tables import MODELS, PLOT_PATHS
+from diffdrive_kinematics.ros.parameters.parameters import coerce
+from diffdrive_kinematics.ros.parameters.tables import MODELS, PLOT_PATHS
+from diffdrive_kinematics.tools.model_paths import model_pictures
 import numpy as np
 import pytest
 import yaml

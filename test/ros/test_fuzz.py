@@ -20,15 +20,14 @@ import math
 import re
 
 from builtin_interfaces.msg import Time
-from diffdrive_kinematics.core.arc import advance, Pose
+from diffdrive_kinematics.core.kinematics import advance, Pose
 from diffdrive_kinematics.nodes import (
     calibrate, command_sequence, diff_drive_controller, diffdrive_sim, forward_projection,
     goal_steering, simulated_base, wheel_noise)
-from diffdrive_kinematics.nodes.calibration_sources import Collection
-from diffdrive_kinematics.nodes.parameters import ConfigurationError, ParameterSet
-from diffdrive_kinematics.nodes.tables import Kind, TABLES
-from geometry_msgs.msg import (
-    PoseStamped, PoseWithCovarianceStamped, Twist, TwistStamped, Vector3)
+from diffdrive_kinematics.ros.parameters.parameters import ConfigurationError, ParameterSet
+from diffdrive_kinematics.ros.parameters.tables import Kind, TABLES
+from diffdrive_kinematics.tools.calibration_sources import Collection
+from geometry_msgs.msg import PoseStamped, PoseWithCovarianceStamped, Twist, TwistStamped, Vector3
 from graph import KHEPERA, twist
 from hypothesis import given, HealthCheck, Phase, settings, strategies as st
 from inside import inside, START_NS

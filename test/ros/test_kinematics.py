@@ -16,9 +16,9 @@
 
 import math
 
-from diffdrive_kinematics.core.arc import advance, Pose
-from diffdrive_kinematics.core.geometry import (
-    pose_change_from_travel, travel_from_angles, wheel_rates_from_twist, WheelGeometry)
+from diffdrive_kinematics.core.kinematics import (
+    advance, Pose, pose_change_from_travel, travel_from_angles, wheel_rates_from_twist,
+    WheelGeometry)
 from geometry_msgs.msg import Twist, TwistStamped
 from graph import KHEPERA, stamp_ns, twist, twist_stamped
 from nav_msgs.msg import Odometry

@@ -17,11 +17,11 @@
 import importlib.util
 from pathlib import Path
 
-from diffdrive_kinematics.core.arc import Pose
-from diffdrive_kinematics.core.covariance import PoseCovariance
-from diffdrive_kinematics.nodes.drawing import ellipse
+from diffdrive_kinematics.core.kinematics import Pose
+from diffdrive_kinematics.core.noise import PoseCovariance
 from diffdrive_kinematics.nodes.plot_paths import build, picture_of
-from diffdrive_kinematics.nodes.tables import PLOT_PATHS
+from diffdrive_kinematics.ros.parameters.tables import PLOT_PATHS
+from diffdrive_kinematics.tools.drawing import ellipse
 import numpy as np
 import pytest
 

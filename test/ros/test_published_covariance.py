@@ -16,12 +16,10 @@
 
 import math
 
-from diffdrive_kinematics.core.angles import wrap_angle
-from diffdrive_kinematics.core.arc import Pose
-from diffdrive_kinematics.core.covariance import (
-    NO_COVARIANCE, propagated_covariance, twist_covariance)
-from diffdrive_kinematics.core.distributions import heading_variance, sample_heading
-from diffdrive_kinematics.core.geometry import travel_from_angles, WheelGeometry
+from diffdrive_kinematics.core.kinematics import (
+    Pose, travel_from_angles, WheelGeometry, wrap_angle)
+from diffdrive_kinematics.core.noise import (
+    heading_variance, NO_COVARIANCE, propagated_covariance, sample_heading, twist_covariance)
 from graph import KHEPERA, set_stamp, stamp_ns
 from nav_msgs.msg import Odometry
 import numpy as np

@@ -17,8 +17,7 @@
 import csv
 import math
 
-from diffdrive_kinematics.core.angles import wrap_angle
-from diffdrive_kinematics.core.arc import Pose
+from diffdrive_kinematics.core.kinematics import Pose, wrap_angle
 from graph import set_stamp, stamp_ns
 from nav_msgs.msg import Odometry
 import pytest

@@ -16,9 +16,9 @@
 import math
 from xml.etree import ElementTree
 
-from diffdrive_kinematics.core.geometry import WheelGeometry
-from diffdrive_kinematics.nodes.urdf import Shape, urdf_of
-from diffdrive_kinematics.nodes.wheel_joints import WheelJoints
+from diffdrive_kinematics.core.kinematics import WheelGeometry
+from diffdrive_kinematics.ros.messages.urdf import Shape, urdf_of
+from diffdrive_kinematics.ros.messages.wheel_joints import WheelJoints
 from graph import KHEPERA
 import pytest
 from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue

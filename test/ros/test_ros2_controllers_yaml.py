@@ -33,7 +33,7 @@ import math
 from pathlib import Path
 import random
 
-from diffdrive_kinematics.core.limits import AxisLimits
+from diffdrive_kinematics.core.commands import AxisLimits
 from diffdrive_kinematics.nodes.diff_drive_controller import DiffDriveController
 from graph import KHEPERA, twist
 from inside import inside

@@ -17,7 +17,7 @@
 from pathlib import Path
 import re
 
-from diffdrive_kinematics.nodes.tables import TABLES
+from diffdrive_kinematics.ros.parameters.tables import TABLES
 from geometry_msgs.msg import Twist, TwistStamped
 from graph import twist
 from nav_msgs.msg import Odometry

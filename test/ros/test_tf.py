@@ -18,8 +18,8 @@ import importlib.util
 import math
 import signal
 
-from diffdrive_kinematics.core.arc import advance, Pose
-from diffdrive_kinematics.core.frames import composed
+from diffdrive_kinematics.core.kinematics import advance, Pose
+from diffdrive_kinematics.core.odometry import composed
 from graph import KHEPERA, set_stamp, stamp_ns
 from nav_msgs.msg import Odometry
 import pytest

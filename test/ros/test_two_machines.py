@@ -29,7 +29,7 @@ import subprocess
 import sys
 import time
 
-from diffdrive_kinematics.core.arc import advance, Pose
+from diffdrive_kinematics.core.kinematics import advance, Pose
 from graph import arguments, DEADLINE_S, KHEPERA, START
 import pytest
 

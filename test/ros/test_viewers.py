@@ -17,8 +17,7 @@ from importlib import import_module
 import json
 from pathlib import Path
 
-from diffdrive_kinematics.core.arc import Pose
-from diffdrive_kinematics.core.sequence import Command, poses_along
+from diffdrive_kinematics.core.kinematics import Command, Pose, poses_along
 import pytest
 from rclpy.qos import DurabilityPolicy
 import yaml

@@ -19,11 +19,8 @@ import math
 import random
 from typing import Callable, Optional, Tuple
 
-from diffdrive_kinematics.core.arc import Pose
-from diffdrive_kinematics.core.encoders import Encoder
-from diffdrive_kinematics.core.geometry import WheelGeometry
-from diffdrive_kinematics.core.odometry import Odometry
-from diffdrive_kinematics.core.wheel_motion import WheelSample
+from diffdrive_kinematics.core.kinematics import Pose, WheelGeometry
+from diffdrive_kinematics.core.odometry import Encoder, Odometry, WheelSample
 
 MS = 1_000_000
 S = 1000 * MS

@@ -16,8 +16,8 @@
 
 from typing import NamedTuple
 
-from diffdrive_kinematics.core.geometry import WheelGeometry
-from diffdrive_kinematics.core.recording import segment_from_positions
+from diffdrive_kinematics.core.calibration import segment_from_positions
+from diffdrive_kinematics.core.kinematics import WheelGeometry
 import numpy as np
 
 GEOMETRY = WheelGeometry(0.2, 0.04)

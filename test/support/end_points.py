@@ -16,8 +16,7 @@
 
 import math
 
-from diffdrive_kinematics.core.recording import segment_from_ticks
-from diffdrive_kinematics.core.trajectory_windows import odometry_at, Systematic
+from diffdrive_kinematics.core.calibration import odometry_at, segment_from_ticks, Systematic
 import numpy as np
 from recorded import TICKS_PER_TURN
 

@@ -21,8 +21,8 @@ calls their subscriptions back itself, so a message costs microseconds and its o
 
 from contextlib import contextmanager
 
-from diffdrive_kinematics.nodes.clocks import SteppedClock
-from diffdrive_kinematics.nodes.traffic import Traffic
+from diffdrive_kinematics.ros.runtime.clocks import SteppedClock
+from diffdrive_kinematics.ros.runtime.traffic import Traffic
 from domain_coordinator import domain_id
 from graph import arguments
 import rclpy

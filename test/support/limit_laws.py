@@ -28,8 +28,8 @@ What every step of a drive has to keep, stated anew from the table in ``limits.p
 import math
 from typing import NamedTuple
 
-from diffdrive_kinematics.core.drive import Twist
-from diffdrive_kinematics.core.geometry import twist_from_wheel_rates
+from diffdrive_kinematics.core.commands import Twist
+from diffdrive_kinematics.core.kinematics import twist_from_wheel_rates
 import pytest
 
 __all__ = ['DIGITS', 'Law', 'check_state', 'check_step', 'goal_of', 'share_within']

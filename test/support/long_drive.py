@@ -14,11 +14,9 @@
 
 """A long drive through the core, and where it ends to 50 digits."""
 
-from diffdrive_kinematics.core.arc import Pose
-from diffdrive_kinematics.core.drive import Drive, DriveSettings, Twist
-from diffdrive_kinematics.core.geometry import WheelGeometry
-from diffdrive_kinematics.core.odometry import Odometry
-from diffdrive_kinematics.core.wheel_motion import WheelSample
+from diffdrive_kinematics.core.commands import Drive, DriveSettings, Twist
+from diffdrive_kinematics.core.kinematics import Pose, WheelGeometry
+from diffdrive_kinematics.core.odometry import Odometry, WheelSample
 import mpmath
 import numpy as np
 

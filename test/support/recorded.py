@@ -19,7 +19,7 @@ import gzip
 import math
 from pathlib import Path
 
-from diffdrive_kinematics.core.arc import advance, Pose
+from diffdrive_kinematics.core.kinematics import advance, Pose
 
 RADIUS, SEPARATION, TICKS_PER_TURN = 0.042, 0.2, 2796.8
 RUNS = sorted((Path(__file__).parents[1] / 'data' / 'optiodom').glob('square_*.csv.gz'))

@@ -22,8 +22,8 @@ differs from S straight on by at most S T, since the heading is never off by mor
 the arc, whose heading grows evenly, by at most S T / 2.  So the two differ by at most 1.5 S T.
 """
 
-from diffdrive_kinematics.core.arc import advance, Pose
-from diffdrive_kinematics.core.geometry import pose_change_from_travel, travel_from_angles
+from diffdrive_kinematics.core.kinematics import (
+    advance, Pose, pose_change_from_travel, travel_from_angles)
 from graph import stamp_ns
 from sensor_msgs.msg import JointState
 

@@ -21,12 +21,9 @@ separation, where the reference's frame sits on the robot, and how the two clock
 
 from typing import NamedTuple
 
-from diffdrive_kinematics.core.angles import wrap_angle
-from diffdrive_kinematics.core.arc import Pose
-from diffdrive_kinematics.core.geometry import WheelGeometry
-from diffdrive_kinematics.core.recording import segment_from_positions
-from diffdrive_kinematics.core.slip_fit import slip_window
-from diffdrive_kinematics.core.trajectory_fit import Clock, fit_trajectory
+from diffdrive_kinematics.core.calibration import (
+    Clock, fit_trajectory, segment_from_positions, slip_window)
+from diffdrive_kinematics.core.kinematics import Pose, WheelGeometry, wrap_angle
 import numpy as np
 from recorded import RADIUS, SEPARATION, TICKS_PER_TURN
 

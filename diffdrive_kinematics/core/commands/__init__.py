@@ -13,19 +13,32 @@
 # limitations under the License.
 
 """
-Commands that are found from where the robot is: steering laws.
+From what is asked for to what the wheels are told, over time.
 
-A :class:`Law` tells the twist at a pose on the way to a goal: :class:`HeadingRegulator`,
-:class:`PointForward` and :class:`PoseController`.  :class:`PurePursuit` follows :class:`Points`.
-All slow down in proportion to the way that is left and keep :class:`SteeringLimits`;
-:class:`Approach` notices that a robot comes no nearer.
+Limits of velocity, acceleration and jerk, the bound of the wheel rates, the drive that ramps and
+times out; courses to drive: recordings and the square of UMBmark; and steering laws, which find
+the command from where the robot is: :class:`HeadingRegulator`, :class:`PointForward`,
+:class:`PoseController`, and :class:`PurePursuit` along :class:`Points`.
 """
 
+from diffdrive_kinematics.core.commands.drive import (
+    Drive, DriveSettings, DriveTelling, STILL, Twist)
+from diffdrive_kinematics.core.commands.easing import eased, largest_change
+from diffdrive_kinematics.core.commands.limits import AxisLimits
+from diffdrive_kinematics.core.commands.playback import (
+    Course, course_from_commands, course_from_recording, TimedTwist)
 from diffdrive_kinematics.core.commands.pose_controller import PoseController
 from diffdrive_kinematics.core.commands.pursuit import Points, points_of, PurePursuit, Pursued
+from diffdrive_kinematics.core.commands.ramp import ramp_step, RampStep
+from diffdrive_kinematics.core.commands.saturation import (
+    saturate, SaturatedRates, wheel_bound, WheelBound)
+from diffdrive_kinematics.core.commands.square_course import QUARTER, square_course
 from diffdrive_kinematics.core.commands.steering import (
     Approach, HeadingRegulator, Law, PointForward, Steered, SteeringLimits)
 
 __all__ = [
-    'Approach', 'HeadingRegulator', 'Law', 'PointForward', 'Points', 'PoseController',
-    'PurePursuit', 'Pursued', 'Steered', 'SteeringLimits', 'points_of']
+    'Approach', 'AxisLimits', 'Course', 'Drive', 'DriveSettings', 'DriveTelling',
+    'HeadingRegulator', 'Law', 'PointForward', 'Points', 'PoseController', 'PurePursuit',
+    'Pursued', 'QUARTER', 'RampStep', 'STILL', 'SaturatedRates', 'Steered', 'SteeringLimits',
+    'TimedTwist', 'Twist', 'WheelBound', 'course_from_commands', 'course_from_recording', 'eased',
+    'largest_change', 'points_of', 'ramp_step', 'saturate', 'square_course', 'wheel_bound']

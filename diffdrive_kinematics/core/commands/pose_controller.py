@@ -17,10 +17,8 @@
 from dataclasses import dataclass
 import math
 
-from diffdrive_kinematics.core.angles import wrap_angle
-from diffdrive_kinematics.core.arc import Pose, sinc
-from diffdrive_kinematics.core.checks import check_positive
 from diffdrive_kinematics.core.commands.steering import Steered, SteeringLimits, STILL
+from diffdrive_kinematics.core.kinematics import check_positive, Pose, sinc, wrap_angle
 
 __all__ = ['PoseController']
 

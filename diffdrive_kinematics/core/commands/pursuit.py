@@ -19,10 +19,9 @@ from functools import cached_property
 import math
 from typing import NamedTuple, Sequence, Tuple
 
-from diffdrive_kinematics.core.angles import wrap_angle
-from diffdrive_kinematics.core.arc import Pose
-from diffdrive_kinematics.core.checks import check_length, check_positive, is_sane
 from diffdrive_kinematics.core.commands.steering import Steered, SteeringLimits, STILL
+from diffdrive_kinematics.core.kinematics import (
+    check_length, check_positive, is_sane, Pose, wrap_angle)
 import numpy as np
 from numpy.typing import NDArray
 

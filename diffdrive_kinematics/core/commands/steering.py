@@ -33,10 +33,9 @@ from dataclasses import dataclass
 import math
 from typing import NamedTuple, Protocol
 
-from diffdrive_kinematics.core.angles import wrap_angle
-from diffdrive_kinematics.core.arc import Pose
-from diffdrive_kinematics.core.checks import check_length, check_positive, LARGEST
-from diffdrive_kinematics.core.drive import Twist
+from diffdrive_kinematics.core.commands.drive import Twist
+from diffdrive_kinematics.core.kinematics import (
+    check_length, check_positive, LARGEST, Pose, wrap_angle)
 
 __all__ = [
     'Approach', 'HeadingRegulator', 'Law', 'PointForward', 'Steered', 'SteeringLimits']

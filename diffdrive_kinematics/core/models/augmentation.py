@@ -18,8 +18,7 @@ from dataclasses import dataclass
 import math
 from typing import Tuple, TypeVar, Union
 
-from diffdrive_kinematics.core.arc import Scalar
-from diffdrive_kinematics.core.checks import check_positive
+from diffdrive_kinematics.core.kinematics import check_positive, Scalar
 from diffdrive_kinematics.core.models.system import (
     admitted, Bounds, clipped, ControlSystem, Quantity, Vector)
 import numpy as np

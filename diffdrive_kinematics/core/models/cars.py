@@ -17,8 +17,7 @@
 import math
 from typing import Tuple
 
-from diffdrive_kinematics.core.arc import Scalar
-from diffdrive_kinematics.core.checks import check_length
+from diffdrive_kinematics.core.kinematics import check_length, Scalar
 from diffdrive_kinematics.core.models.robots import (
     both_ways, function_of, steering_bound, tricycle)
 from diffdrive_kinematics.core.models.system import Rolling, Vector

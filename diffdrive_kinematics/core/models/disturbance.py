@@ -23,11 +23,10 @@ lie in a box W(u) (2.34); with any they have a density p(w|u), of which sample p
 from dataclasses import dataclass
 from typing import List, Sequence, Tuple
 
-from diffdrive_kinematics.core.arc import Scalar
-from diffdrive_kinematics.core.checks import check_non_negative
-from diffdrive_kinematics.core.distributions import check_distribution, draw_unit, unit_bound
+from diffdrive_kinematics.core.kinematics import check_non_negative, Scalar
 from diffdrive_kinematics.core.models.system import ControlSystem, Vector
 from diffdrive_kinematics.core.models.transitions import transition
+from diffdrive_kinematics.core.noise import check_distribution, draw_unit, unit_bound
 import numpy as np
 from numpy.typing import NDArray
 
@@ -128,7 +127,7 @@ def bounded(
         absolute: Sequence[float], relative: Sequence[float] = (), *,
         distribution: str = 'uniform') -> Disturbance:
     """
-    Return the disturbance of a box W(u) with sides of +-(absolute + relative |u|).
+    Return the disturbance of a box W(u) with sides of ``+-(absolute + relative |u|)``.
 
     Parameters
     ----------
@@ -212,7 +211,7 @@ def sample_paths(
     Return n sample paths: the forward projection over one and many steps (2.35, 2.39).
 
     Row 1 of each array is the one-step projection of ``start``, row k that of k steps.  For the
-    differential drive with slip, :func:`diffdrive_kinematics.core.projection.sample_paths` is
+    differential drive with slip, :func:`diffdrive_kinematics.core.noise.sample_paths` is
     the fast one.
 
     Parameters

@@ -15,7 +15,7 @@
 """
 What a rolling robot can reach under bounded disturbances (LaValle 2.34, 2.35, figure 2.23).
 
-As for the differential drive (:mod:`diffdrive_kinematics.core.reachable`) the set is computed
+As for the differential drive (``reachable``) the set is computed
 from the last step to the first, in the frame of the robot at the start of the step: ::
 
     R_i = union over w in W(u_i) of  c(u_i + w) + rotation(turn(u_i + w)) R_(i+1),  R_(k+1) = {0}
@@ -29,10 +29,10 @@ margin in every step: the polygon is an outer one.  Holes are filled.
 import math
 from typing import NamedTuple, Sequence, Tuple
 
-from diffdrive_kinematics.core.arc import sinc
+from diffdrive_kinematics.core.kinematics import sinc
 from diffdrive_kinematics.core.models.disturbance import Disturbance, Step
 from diffdrive_kinematics.core.models.system import ControlSystem, Rolling, Vector
-from diffdrive_kinematics.core.outline import area, outer_boundary, perimeter, simplified
+from diffdrive_kinematics.core.noise import area, outer_boundary, perimeter, simplified
 import numpy as np
 from numpy.typing import NDArray
 

@@ -22,10 +22,8 @@ from the rear axle to the front one, ``L`` that between the wheels of an axle.
 
 import math
 
-from diffdrive_kinematics.core.arc import Scalar
-from diffdrive_kinematics.core.checks import check_length
-from diffdrive_kinematics.core.geometry import (
-    pose_change_from_travel, twist_from_wheel_rates, WheelGeometry)
+from diffdrive_kinematics.core.kinematics import (
+    check_length, pose_change_from_travel, Scalar, twist_from_wheel_rates, WheelGeometry)
 from diffdrive_kinematics.core.models.system import Quantity, Rolling
 import numpy as np
 

@@ -24,8 +24,7 @@ from dataclasses import dataclass
 import math
 from typing import Callable, NamedTuple, Protocol, Sequence, Tuple
 
-from diffdrive_kinematics.core.arc import Pose, Scalar
-from diffdrive_kinematics.core.integration import pose_rate
+from diffdrive_kinematics.core.kinematics import Pose, pose_rate, Scalar
 import numpy as np
 
 __all__ = [

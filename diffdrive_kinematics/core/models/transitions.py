@@ -17,9 +17,8 @@
 import math
 from typing import Callable
 
-from diffdrive_kinematics.core.arc import advance, Pose
-from diffdrive_kinematics.core.checks import check_finite, check_positive
-from diffdrive_kinematics.core.integration import euler, runge_kutta
+from diffdrive_kinematics.core.kinematics import (
+    advance, check_finite, check_positive, euler, Pose, runge_kutta)
 from diffdrive_kinematics.core.models.system import admitted, ControlSystem, Rolling, Vector
 
 __all__ = ['transition', 'transition_euler', 'transition_runge_kutta']

@@ -18,7 +18,7 @@ from enum import Enum
 import math
 from typing import NamedTuple, Sequence
 
-from diffdrive_kinematics.core.checks import check_finite
+from diffdrive_kinematics.core.kinematics import check_finite
 import numpy as np
 
 __all__ = ['Motion', 'RollingCentre', 'Wheel', 'rolling_centre']

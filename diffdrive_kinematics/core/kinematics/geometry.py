@@ -1,0 +1,368 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""
+Wheel geometry: what relates wheel rates to the robot's twist, and wheel angles to travel.
+
+====================  =======  ==============================================================
+symbol                unit     meaning
+====================  =======  ==============================================================
+``L``                 m        effective wheel separation
+``R_l``, ``R_r``      m        effective wheel radii
+``u_l``, ``u_r``      rad/s    wheel rates, positive = forward
+``v``, ``w``          m/s, rad/s   forward speed and yaw rate, counter-clockwise positive
+``d_l``, ``d_r``      m        wheel travel, ``d_i = R_i * angle``
+====================  =======  ==============================================================
+
+The functions are plain arithmetic: floats and numpy arrays (any shapes that broadcast) alike.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+import math
+from typing import Tuple, TypeVar
+
+from diffdrive_kinematics.core.kinematics.arc import Pose
+from diffdrive_kinematics.core.kinematics.checks import check_finite, check_length, check_positive
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = [
+    'Number', 'WheelGeometry', 'inverse_jacobian', 'jacobian', 'pose_change_from_travel',
+    'travel_from_angles', 'turning_centre', 'turning_radius', 'twist_from_wheel_rates',
+    'wheel_rates_from_twist']
+
+Number = TypeVar('Number', float, NDArray[np.float64])
+
+
+@dataclass(frozen=True)
+class WheelGeometry:
+    """
+    Size and spacing of the wheels, with ros2_controllers' correction factors.
+
+    Parameters
+    ----------
+    wheel_separation : float
+        Nominal distance between the contact points of the wheels [m].
+    wheel_radius : float
+        Nominal radius of the wheels [m].
+    wheel_separation_multiplier : float
+        Calibrated separation over the nominal one [1].
+    left_wheel_radius_multiplier : float
+        Calibrated radius of the left wheel over the nominal one [1].
+    right_wheel_radius_multiplier : float
+        Calibrated radius of the right wheel over the nominal one [1].
+
+    Raises
+    ------
+    ValueError
+        If a value is not a finite positive number, or its product with its multiplier is not
+        from 1e-6 to 1e6 m.
+
+    Examples
+    --------
+    >>> geometry = WheelGeometry(
+    ...     wheel_separation=0.5, wheel_radius=0.125, wheel_separation_multiplier=1.5)
+    >>> geometry.separation, geometry.left_radius
+    (0.75, 0.125)
+
+    """
+
+    wheel_separation: float
+    wheel_radius: float
+    wheel_separation_multiplier: float = 1.0
+    left_wheel_radius_multiplier: float = 1.0
+    right_wheel_radius_multiplier: float = 1.0
+
+    def __post_init__(self) -> None:
+        for name in (
+                'wheel_separation', 'wheel_radius', 'wheel_separation_multiplier',
+                'left_wheel_radius_multiplier', 'right_wheel_radius_multiplier'):
+            check_positive(name, getattr(self, name))
+        check_length('wheel_separation * wheel_separation_multiplier', self.separation)
+        check_length('wheel_radius * left_wheel_radius_multiplier', self.left_radius)
+        check_length('wheel_radius * right_wheel_radius_multiplier', self.right_radius)
+
+    @cached_property
+    def separation(self) -> float:
+        """Effective wheel separation L [m]."""
+        return self.wheel_separation * self.wheel_separation_multiplier
+
+    @cached_property
+    def left_radius(self) -> float:
+        """Effective radius R_l of the left wheel [m]."""
+        return self.wheel_radius * self.left_wheel_radius_multiplier
+
+    @cached_property
+    def right_radius(self) -> float:
+        """Effective radius R_r of the right wheel [m]."""
+        return self.wheel_radius * self.right_wheel_radius_multiplier
+
+
+def twist_from_wheel_rates(
+        geometry: WheelGeometry, left: Number, right: Number) -> Tuple[Number, Number]:
+    """
+    Return the twist that wheel rates make (forward kinematics).
+
+    ``v = (R_r u_r + R_l u_l) / 2``, ``w = (R_r u_r - R_l u_l) / L``
+    (Siegwart & Nourbakhsh, sec. 3.2.2; LaValle, Planning Algorithms, eq. 13.16).
+
+    Parameters
+    ----------
+    geometry : WheelGeometry
+        Size and spacing of the wheels.
+    left, right : float or numpy.ndarray
+        Wheel rates u_l and u_r [rad/s], positive = forward.
+
+    Returns
+    -------
+    v : float or numpy.ndarray
+        Forward speed [m/s].
+    w : float or numpy.ndarray
+        Yaw rate [rad/s], counter-clockwise positive.
+
+    Examples
+    --------
+    >>> twist_from_wheel_rates(WheelGeometry(0.5, 0.125), left=2.0, right=4.0)
+    (0.375, 0.5)
+
+    """
+    v_left = geometry.left_radius * left
+    v_right = geometry.right_radius * right
+    return 0.5 * (v_left + v_right), (v_right - v_left) / geometry.separation
+
+
+def wheel_rates_from_twist(
+        geometry: WheelGeometry, v: Number, w: Number) -> Tuple[Number, Number]:
+    """
+    Return the wheel rates that make a twist (inverse kinematics).
+
+    ``u_r = (v + w L/2) / R_r``, ``u_l = (v - w L/2) / R_l``: the inverse of
+    :func:`twist_from_wheel_rates`.
+
+    Parameters
+    ----------
+    geometry : WheelGeometry
+        Size and spacing of the wheels.
+    v : float or numpy.ndarray
+        Forward speed [m/s].
+    w : float or numpy.ndarray
+        Yaw rate [rad/s], counter-clockwise positive.
+
+    Returns
+    -------
+    left : float or numpy.ndarray
+        Wheel rate u_l [rad/s], positive = forward.
+    right : float or numpy.ndarray
+        Wheel rate u_r [rad/s].
+
+    Examples
+    --------
+    >>> wheel_rates_from_twist(WheelGeometry(0.5, 0.125), v=0.375, w=0.5)
+    (2.0, 4.0)
+
+    """
+    half = 0.5 * geometry.separation * w
+    return (v - half) / geometry.left_radius, (v + half) / geometry.right_radius
+
+
+def jacobian(geometry: WheelGeometry) -> NDArray[np.float64]:
+    """
+    Return the matrix J of the forward kinematics: ``[v, w] = J @ [u_l, u_r]``.
+
+    With equal radii this is ``R [[1/2, 1/2], [-1/L, 1/L]]``.
+
+    Parameters
+    ----------
+    geometry : WheelGeometry
+        Size and spacing of the wheels.
+
+    Returns
+    -------
+    numpy.ndarray, shape (2, 2)
+        J, with a first row in m and a second one without unit.
+
+    Examples
+    --------
+    >>> jacobian(WheelGeometry(0.5, 0.125)) @ [2.0, 4.0]
+    array([0.375, 0.5  ])
+
+    """
+    left, right, separation = geometry.left_radius, geometry.right_radius, geometry.separation
+    return np.array([[0.5 * left, 0.5 * right], [-left / separation, right / separation]])
+
+
+def inverse_jacobian(geometry: WheelGeometry) -> NDArray[np.float64]:
+    """
+    Return the matrix of the inverse kinematics: ``[u_l, u_r] = J^-1 @ [v, w]``.
+
+    Parameters
+    ----------
+    geometry : WheelGeometry
+        Size and spacing of the wheels.
+
+    Returns
+    -------
+    numpy.ndarray, shape (2, 2)
+        The inverse of :func:`jacobian`, with a first column in 1/m and a second one without unit.
+
+    Examples
+    --------
+    >>> inverse_jacobian(WheelGeometry(0.5, 0.125)) @ [0.375, 0.5]
+    array([2., 4.])
+
+    """
+    left, right, half = geometry.left_radius, geometry.right_radius, 0.5 * geometry.separation
+    return np.array([[1.0 / left, -half / left], [1.0 / right, half / right]])
+
+
+def travel_from_angles(
+        geometry: WheelGeometry, left: Number, right: Number) -> Tuple[Number, Number]:
+    """
+    Return the travel of wheels that have rolled by angles: ``d_i = R_i * angle``.
+
+    Parameters
+    ----------
+    geometry : WheelGeometry
+        Size and spacing of the wheels.
+    left, right : float or numpy.ndarray
+        Angles rolled [rad].
+
+    Returns
+    -------
+    d_left : float or numpy.ndarray
+        Travel d_l of the left wheel [m].
+    d_right : float or numpy.ndarray
+        Travel d_r of the right wheel [m].
+
+    Examples
+    --------
+    >>> travel_from_angles(WheelGeometry(0.5, 0.125), left=2.0, right=4.0)
+    (0.25, 0.5)
+
+    """
+    return geometry.left_radius * left, geometry.right_radius * right
+
+
+def pose_change_from_travel(
+        geometry: WheelGeometry, d_left: Number, d_right: Number) -> Tuple[Number, Number]:
+    """
+    Return how far the robot's centre moves and how far it turns, for :func:`.advance`.
+
+    ``distance = (d_l + d_r) / 2``, ``turn = (d_r - d_l) / L``.
+
+    Parameters
+    ----------
+    geometry : WheelGeometry
+        Size and spacing of the wheels.
+    d_left, d_right : float or numpy.ndarray
+        Wheel travel [m].
+
+    Returns
+    -------
+    distance : float or numpy.ndarray
+        Length of the arc of the centre between the wheels [m].
+    turn : float or numpy.ndarray
+        Change of the heading [rad].
+
+    Examples
+    --------
+    >>> pose_change_from_travel(WheelGeometry(0.5, 0.125), d_left=0.25, d_right=0.5)
+    (0.375, 0.5)
+
+    """
+    return 0.5 * (d_left + d_right), (d_right - d_left) / geometry.separation
+
+
+def turning_radius(geometry: WheelGeometry, d_left: float, d_right: float) -> float:
+    """
+    Return the signed radius of the circle that the robot's centre follows.
+
+    ``r_c = L (d_l + d_r) / (2 (d_r - d_l))`` (LaValle, Mobile Robotics, eq. 2.7).
+
+    Parameters
+    ----------
+    geometry : WheelGeometry
+        Size and spacing of the wheels.
+    d_left, d_right : float
+        Wheel travel [m] or, equally, wheel speeds [m/s].
+
+    Returns
+    -------
+    float
+        Radius r_c [m]; positive where the centre of the circle lies to the left, ``inf`` for
+        parallel travel.
+
+    Raises
+    ------
+    ValueError
+        If a travel is not finite, or both are 0: a wheel pair at rest has no turning radius.
+
+    Examples
+    --------
+    >>> geometry = WheelGeometry(0.5, 0.125)
+    >>> turning_radius(geometry, 0.25, 0.5), turning_radius(geometry, -0.1, 0.1)
+    (0.75, 0.0)
+
+    """
+    check_finite('d_left', d_left)
+    check_finite('d_right', d_right)
+    if d_left == d_right == 0.0:
+        raise ValueError('d_left and d_right are 0, expected travel of at least one wheel')
+    if d_left == d_right:
+        return math.inf
+    return geometry.separation * (0.5 * d_left + 0.5 * d_right) / (d_right - d_left)
+
+
+def turning_centre(
+        geometry: WheelGeometry, pose: Pose, d_left: float, d_right: float) -> Tuple[float, float]:
+    """
+    Return the point about which the robot turns.
+
+    It lies ``turning_radius`` to the left of the robot's centre, on the wheels' common axis
+    (LaValle, Mobile Robotics, sec. 2.1).
+
+    Parameters
+    ----------
+    geometry : WheelGeometry
+        Size and spacing of the wheels.
+    pose : Pose
+        Pose of the robot; floats.
+    d_left, d_right : float
+        Wheel travel [m] or, equally, wheel speeds [m/s].
+
+    Returns
+    -------
+    x : float
+        Of the point [m], in the frame of ``pose``; infinite for parallel travel.
+    y : float
+        Of the point [m], likewise.
+
+    Raises
+    ------
+    ValueError
+        As :func:`turning_radius`.
+
+    Examples
+    --------
+    >>> turning_centre(WheelGeometry(0.5, 0.125), Pose(1.0, 2.0, 0.0), 0.25, 0.5)
+    (1.0, 2.75)
+
+    """
+    radius = turning_radius(geometry, d_left, d_right)
+    theta = float(pose.theta)
+    sine, cosine = math.sin(theta), math.cos(theta)
+    if math.isinf(radius):
+        return -math.copysign(math.inf, sine), math.copysign(math.inf, cosine)
+    return float(pose.x) - radius * sine, float(pose.y) + radius * cosine

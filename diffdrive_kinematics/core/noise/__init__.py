@@ -1,0 +1,52 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""
+How wheels slip, and what that does to the pose.
+
+Bias and slip laws with their distributions, the covariance of the pose along an arc, sample
+paths, and the set that bounded slip can reach.
+"""
+
+from diffdrive_kinematics.core.noise.box_muller import fill_normals
+from diffdrive_kinematics.core.noise.covariance import (
+    E_MEAN, E_SQUARE, heading_covariance, moved_covariance, NO_COVARIANCE, polynomial,
+    PoseCovariance, propagated_covariance, SERIES_END, SINE_SQUARE, slip_covariance,
+    twist_covariance, TwistCovariance)
+from diffdrive_kinematics.core.noise.covariance_along import covariance_along
+from diffdrive_kinematics.core.noise.distributions import (
+    check_distribution, DISTRIBUTIONS, draw_unit, heading_variance, sample_heading, unit_bound)
+from diffdrive_kinematics.core.noise.matrices import rotations, swings
+from diffdrive_kinematics.core.noise.noise import (
+    effective_ratio, sample_travel, SLIP_MODELS, travel_variance, WheelSlip)
+from diffdrive_kinematics.core.noise.outline import area, outer_boundary, perimeter, simplified
+from diffdrive_kinematics.core.noise.planar import (
+    planar_covariance, planar_pose, yaw_from_quaternion)
+from diffdrive_kinematics.core.noise.projected import Projected, projected
+from diffdrive_kinematics.core.noise.projection import (
+    lateral_variances, propagate, sample_paths, step_noise, StepNoise, travel_of_command)
+from diffdrive_kinematics.core.noise.reachable import reachable_set, reachable_set_from_slip
+from diffdrive_kinematics.core.noise.stage import Stage, stage_from_slip, with_pivots_joined
+
+__all__ = [
+    'DISTRIBUTIONS', 'E_MEAN', 'E_SQUARE', 'NO_COVARIANCE', 'PoseCovariance', 'Projected',
+    'SERIES_END', 'SINE_SQUARE', 'SLIP_MODELS', 'Stage', 'StepNoise', 'TwistCovariance',
+    'WheelSlip', 'area', 'check_distribution', 'covariance_along', 'draw_unit', 'effective_ratio',
+    'fill_normals', 'heading_covariance', 'heading_variance', 'lateral_variances',
+    'moved_covariance', 'outer_boundary', 'perimeter', 'planar_covariance', 'planar_pose',
+    'polynomial', 'projected', 'propagate', 'propagated_covariance', 'reachable_set',
+    'reachable_set_from_slip', 'rotations', 'sample_heading', 'sample_paths', 'sample_travel',
+    'simplified', 'slip_covariance', 'stage_from_slip', 'step_noise', 'swings',
+    'travel_of_command', 'travel_variance', 'twist_covariance', 'unit_bound', 'with_pivots_joined',
+    'yaw_from_quaternion']

@@ -1,0 +1,356 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""
+Forward projection of a set: where the robot can be under bounded disturbances (LaValle 2.34).
+
+W(u) is a box: in each stage the travel of the left and of the right wheel is off by at most its
+bound, and the robot may be displaced sideways by at most the lateral bound, each constant over
+the stage (the same model that ``projection`` samples).  The forward
+projection over several stages (2.35) is computed from the last stage to the first, as a set of
+positions in the frame of the robot at the start of the stage: ::
+
+    R_i = union over w in W(u_i) of  c(w) + rotation(2 h(w)) R_(i+1),    R_(k+1) = {0}
+
+All motions of the union are rigid, so errors do not grow from stage to stage, and the set is
+planar, as the bounds do not depend on the heading.  For a fixed half turn h it is a Minkowski sum
+of a polygon and a rectangle (distance times displacement to the side); over h the boundary of
+that sum sweeps a mesh of triangles.  The outer boundary of the mesh runs along edges whose
+triangles lie on one side, and is found by walking around those.
+
+The polygon is an outer approximation: what the chords of the mesh and the simplification cut off
+is added as a margin in every stage, together below 1 % of the area.  Only sets as thin as a
+curve, such as that of a robot with one wheel at rest, get wider margins relative to their area.
+Holes (a robot that may turn all around) are filled.  The cost is that of finding the crossings
+among some hundred to some thousand segments: 5 to 20 ms a stage.  Stages in which one wheel rests
+keep the robot on a circle about it, and are one stage together.
+"""
+
+import math
+from typing import Sequence, Tuple, Union
+
+from diffdrive_kinematics.core.kinematics import (
+    check_finite, check_non_negative, Pose, pose_change_from_travel, sinc, WheelGeometry)
+from diffdrive_kinematics.core.noise.noise import WheelSlip
+from diffdrive_kinematics.core.noise.outline import area, outer_boundary, perimeter, simplified
+from diffdrive_kinematics.core.noise.stage import Stage, stage_from_slip, with_pivots_joined
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ['Stage', 'reachable_set', 'reachable_set_from_slip', 'stage_from_slip']
+
+Array = NDArray[np.float64]
+Points = NDArray[np.complex128]
+Pairs = NDArray[np.int64]
+Bounds = Union[float, Sequence[float]]
+
+SHARE = 0.006
+"""Of the area over the perimeter: the margins of all stages together."""
+
+FLOAT32 = 2.0**-24
+"""What rounding to float32 moves a coordinate by, relative to it."""
+
+LEAST = 1e-8
+"""Least margin [m] of a stage, so that a set without disturbances has an inside."""
+
+THINNEST = 2e-6
+"""Least margin of a stage, relative to the length of the set."""
+
+MOST_FOLDS = 600
+"""How many segments inside of a mesh are worth a finer one: a set like a curve folds all over."""
+
+FEWEST_SLICES, MOST_SLICES = 8, 128
+
+
+def reachable_set_from_slip(
+        pose: Pose, travels: Sequence[Tuple[float, float]], geometry: WheelGeometry,
+        left_slip: WheelSlip, right_slip: WheelSlip, *, most_vertices: int = 1000
+) -> Tuple[Array, Array]:
+    """
+    Return the boundary that holds every sample of bounded slip; see :func:`reachable_set`.
+
+    Parameters
+    ----------
+    pose : Pose
+        The start, floats.
+    travels : sequence of (d_left, d_right)
+        Nominal travel [m] of the wheels in each of the k stages, at least one.
+    geometry : WheelGeometry
+        Distance of the wheels.
+    left_slip, right_slip : WheelSlip
+        Of the wheels: bias, bounds and the lateral part come from them.
+    most_vertices : int
+        Bound of the number of vertices, 64 or above; a wider margin makes up for a small one.
+
+    Returns
+    -------
+    x : numpy.ndarray, shape (v,)
+        Of the vertices [m], counter-clockwise, not closed.
+    y : numpy.ndarray, shape (v,)
+        Of the vertices [m], likewise.
+
+    Raises
+    ------
+    ValueError
+        If there are no travels, a value is not finite, a slip that is not 0 has an unbounded
+        distribution, or ``most_vertices`` is below 64.
+
+    Examples
+    --------
+    >>> slip = WheelSlip(variance=1e-4, distribution='uniform')
+    >>> x, y = reachable_set_from_slip(
+    ...     Pose(0.0, 0.0, 0.0), [(1.0, 1.0)], WheelGeometry(0.5, 0.125), slip, slip)
+    >>> f'{x.min():.2f} m to {x.max():.2f} m'  # 1 m, give or take sqrt(3) * 1 cm
+    '0.98 m to 1.02 m'
+
+    """
+    stages = [stage_from_slip(*travel, geometry, left_slip, right_slip) for travel in travels]
+    return _reachable(pose, stages, geometry, most_vertices)
+
+
+def reachable_set(
+        pose: Pose, travels: Sequence[Tuple[float, float]], geometry: WheelGeometry,
+        left_bound: Bounds, right_bound: Bounds, lateral_bound: Bounds = 0.0, *,
+        most_vertices: int = 1000) -> Tuple[Array, Array]:
+    """
+    Return the boundary of the nondeterministic forward projection (LaValle 2.34, 2.35).
+
+    Parameters
+    ----------
+    pose : Pose
+        The start, floats.
+    travels : sequence of (d_left, d_right)
+        Mean travel [m] of the wheels in each of the k stages, at least one.
+    geometry : WheelGeometry
+        Distance of the wheels.
+    left_bound, right_bound, lateral_bound : float or sequence of float
+        Bounds [m] of the disturbances, of all stages or of each.
+    most_vertices : int
+        Bound of the number of vertices, 64 or above; a wider margin makes up for a small one.
+
+    Returns
+    -------
+    x : numpy.ndarray, shape (v,)
+        Of the vertices [m], counter-clockwise, not closed: the last is not the first again.
+    y : numpy.ndarray, shape (v,)
+        Of the vertices [m], likewise.
+
+    Raises
+    ------
+    ValueError
+        If there are no travels, a value is not finite, a bound is negative or of another
+        number, or ``most_vertices`` is below 64.
+
+    Examples
+    --------
+    Wheels that are off by at most 1 cm turn the robot by at most 0.04 rad on 1 m, so that it ends
+    up to 2 cm to the side:
+
+    >>> x, y = reachable_set(Pose(0.0, 0.0, 0.0), [(1.0, 1.0)], WheelGeometry(0.5, 0.125),
+    ...                      left_bound=0.01, right_bound=0.01)
+    >>> f'{x.min():.2f} m to {x.max():.2f} m, {y.min():.2f} m to {y.max():.2f} m'
+    '0.99 m to 1.01 m, -0.02 m to 0.02 m'
+
+    """
+    bounds = [_per_stage(name, bound, len(travels)) for name, bound in (
+        ('left_bound', left_bound), ('right_bound', right_bound),
+        ('lateral_bound', lateral_bound))]
+    stages = [
+        Stage(check_finite('d_left', d_left), check_finite('d_right', d_right), *bound)
+        for (d_left, d_right), *bound in zip(travels, *bounds)]
+    return _reachable(pose, stages, geometry, most_vertices)
+
+
+def _reachable(
+        pose: Pose, stages: Sequence[Stage], geometry: WheelGeometry, most_vertices: int
+) -> Tuple[Array, Array]:
+    x, y, theta = (check_finite(name, value) for name, value in zip(  # type: ignore[arg-type]
+        ('x', 'y', 'theta'), pose))
+    if not stages:
+        raise ValueError('travels is empty, expected at least one stage (d_left, d_right)')
+    if most_vertices < 64:
+        raise ValueError(f'most_vertices is {most_vertices!r}, expected 64 or more')
+    stages, margin = with_pivots_joined(stages, geometry)
+    share = SHARE / (len(stages) + 1)
+    polygon = np.zeros(1, np.complex128)
+    for stage in reversed(stages):
+        polygon, margin = _before(polygon, margin, stage, geometry, share, most_vertices // 2)
+    margin += FLOAT32 * float(np.max(np.abs(polygon)) + math.hypot(x, y))
+    ring = _slice(polygon, 0.0, (-margin, margin), margin)
+    widened = outer_boundary(ring, _turned(ring[:, None]))
+    placed = complex(x, y) + complex(math.cos(theta), math.sin(theta)) * widened
+    return placed.real.copy(), placed.imag.copy()
+
+
+def _before(
+        polygon: Points, margin: float, stage: Stage, geometry: WheelGeometry, share: float,
+        most: int) -> Tuple[Points, float]:
+    """Return the set one stage earlier, and how far the true one may reach beyond it [m]."""
+    slices, tolerance = FEWEST_SLICES, math.inf
+    while True:
+        nodes, sagitta = _nodes(stage, geometry, float(np.max(np.abs(polygon))), slices)
+        mesh = _mesh(polygon, margin + sagitta + LEAST, stage, geometry, nodes)
+        turned = _turned(mesh)
+        finest = len(turned) > 2 * len(mesh) + MOST_FOLDS or slices >= MOST_SLICES
+        if sagitta <= tolerance or finest:  # that of a coarser mesh: a finer one has a smaller
+            outline = outer_boundary(mesh.reshape(-1), turned)
+            size = float(np.max(np.abs(outline - outline[0])))
+            tolerance = max(share * _thickness(outline), THINNEST * size, LEAST)
+            if sagitta <= tolerance or finest:
+                break
+        slices *= 2
+    tolerance = max(tolerance, sagitta)
+    smaller = simplified(outline, tolerance)
+    while len(smaller) > most:
+        tolerance *= 1.5
+        smaller = simplified(outline, tolerance)
+    return smaller, tolerance
+
+
+def _thickness(polygon: Points) -> float:
+    length = perimeter(polygon)
+    return area(polygon) / length if length else 0.0
+
+
+def _nodes(
+        stage: Stage, geometry: WheelGeometry, radius: float, slices: int
+) -> Tuple[Array, float]:
+    """
+    Return errors of the half turn [rad] for the slices, and the sagitta [m] between them.
+
+    The second derivative of a point of the mesh by h is at most 4 (radius + distance + L), and
+    a chord over a step misses an eighth of that times the square of the step.
+    """
+    wheels = stage.left_bound + stage.right_bound
+    spread = wheels / (2.0 * geometry.separation)
+    if spread == 0.0:
+        return np.zeros(1), 0.0
+    kink = (stage.right_bound - stage.left_bound) / (2.0 * geometry.separation)
+    nodes = np.linspace(-spread, spread, slices + 1)
+    step = 2.0 * spread / slices
+    reach = (radius + 0.5 * abs(stage.d_left + stage.d_right) + wheels + stage.lateral_bound
+             + geometry.separation)
+    return np.unique(np.concatenate([nodes, [kink, -kink]])), 0.5 * reach * step * step
+
+
+def _mesh(
+        polygon: Points, margin: float, stage: Stage, geometry: WheelGeometry, nodes: Array
+) -> Points:
+    """Return the boundaries of the sums for each half turn, shape (around, slices)."""
+    distance, turn = pose_change_from_travel(geometry, stage.d_left, stage.d_right)
+    return np.stack([
+        _slice(polygon, 0.5 * turn + node,
+               _distances(stage, geometry, distance, node, margin),
+               stage.lateral_bound + margin)
+        for node in nodes], axis=1)
+
+
+def _distances(
+        stage: Stage, geometry: WheelGeometry, distance: float, node: float, margin: float
+) -> Tuple[float, float]:
+    """Return least and largest distance [m] of the centre that go with an error of h [rad]."""
+    across = geometry.separation * node
+    low = max(-stage.left_bound, -stage.right_bound - 2.0 * across) + across
+    high = min(stage.left_bound, stage.right_bound - 2.0 * across) + across
+    middle = 0.5 * (low + high)
+    return distance + min(low, middle) - margin, distance + max(high, middle) + margin
+
+
+def _slice(
+        polygon: Points, half: float, distances: Tuple[float, float], lateral: float) -> Points:
+    """
+    Return the boundary of the sum of the rotated polygon and the rectangle of one half turn.
+
+    It is the convolution of the two boundaries: each vertex, once for the normal of either of
+    its edges and at most 45 degrees apart in between, goes with the corner of the rectangle that
+    is furthest along the normal.
+    """
+    points, normals = _with_normals(polygon)
+    ratio = float(sinc(half))
+    low, high = sorted((ratio * distances[0], ratio * distances[1]))
+    angle = normals + half
+    corner = (np.where(np.cos(angle) > 0.0, high, low)
+              + 1j * np.where(np.sin(angle) > 0.0, lateral, -lateral))
+    turned = complex(math.cos(half), math.sin(half))
+    return np.asarray(turned * (turned * points + corner))
+
+
+def _with_normals(polygon: Points) -> Tuple[Points, Array]:
+    """Return vertices with directions [rad] of the outward normal, going around once."""
+    if len(polygon) == 1:
+        return np.repeat(polygon, 8), np.linspace(0.0, math.tau, 8, endpoint=False) + 0.1
+    after = np.angle(np.roll(polygon, -1) - polygon) - 0.5 * math.pi
+    before = np.roll(after, 1)
+    bend = np.remainder(after - before + math.pi, math.tau) - math.pi
+    bend[bend < 1e-9 - math.pi] += math.tau  # a tip turns to the left
+    parts = 1 + np.ceil(np.abs(bend) / (0.25 * math.pi)).astype(np.int64)
+    which = np.repeat(np.arange(len(polygon)), parts)
+    rank = np.arange(len(which)) - np.repeat(np.cumsum(parts) - parts, parts)
+    fraction = rank / np.maximum(parts[which] - 1, 1)
+    return polygon[which], before[which] + fraction * bend[which]
+
+
+def _turned(mesh: Points) -> Pairs:
+    """
+    Return the edges of a mesh, shape (around, slices), that its outer boundary can follow.
+
+    Those are the edges of the first and of the last slice, and inner ones whose two triangles
+    lie on one side.  The mesh is closed around; points are numbered by rows.
+    """
+    numbers = np.arange(mesh.size).reshape(mesh.shape)
+    following = np.roll(numbers, -1, axis=0)
+    rings = np.stack([numbers, following], axis=-1)
+    if mesh.shape[1] == 1:
+        return rings.reshape(-1, 2)
+    lower, upper = _orientations(mesh)
+    return np.concatenate([
+        rings[:, [0, -1]].reshape(-1, 2),
+        rings[:, 1:-1][lower[:, 1:] * upper[:, :-1] <= 0],
+        np.stack([numbers[:, :-1], following[:, 1:]], axis=-1)[lower * upper <= 0],
+        np.stack([numbers[:, :-1], numbers[:, 1:]], axis=-1)[
+            upper * np.roll(lower, 1, axis=0) <= 0]])
+
+
+def _orientations(mesh: Points) -> Tuple[Pairs, Pairs]:
+    """
+    Return the signs of the triangles on either side of the diagonals, lower and upper.
+
+    Lower ones are (k, j), (k+1, j), (k+1, j+1), upper ones (k, j), (k+1, j+1), (k, j+1).  A
+    triangle with an edge of no length takes the sign of the one before in its strip, as the
+    two edges left of it are one.
+    """
+    a, b = mesh[:, :-1], np.roll(mesh, -1, axis=0)[:, :-1]
+    c, d = np.roll(mesh, -1, axis=0)[:, 1:], mesh[:, 1:]
+    tiny = 1e-12 * float(np.max(np.abs(mesh - mesh[0, 0])))
+    strip = np.stack([_sign(a, c, d, tiny), _sign(a, b, c, tiny)], axis=1)
+    flat = strip.reshape(-1, mesh.shape[1] - 1)
+    known = np.where(flat != 2, np.arange(len(flat))[:, None], -1)
+    last = np.maximum.accumulate(known, axis=0)
+    last = np.where(last < 0, last[-1], last)
+    filled = np.where(last < 0, 0, np.take_along_axis(flat, np.maximum(last, 0), axis=0))
+    return filled[1::2], filled[0::2]
+
+
+def _sign(a: Points, b: Points, c: Points, tiny: float) -> Pairs:
+    """Return the orientations of triangles, 2 for one with an edge of no length."""
+    cross = ((b - a) * np.conj(c - a)).imag
+    short = np.minimum(np.minimum(np.abs(b - a), np.abs(c - a)), np.abs(c - b)) <= tiny
+    return np.where(short, 2, -np.sign(cross)).astype(np.int64)
+
+
+def _per_stage(name: str, bound: Bounds, stages: int) -> Sequence[float]:
+    values = [bound] * stages if isinstance(bound, (int, float)) else list(bound)
+    if len(values) != stages:
+        raise ValueError(f'{name} has {len(values)} values, expected one or {stages}')
+    return [check_non_negative(name, value) for value in values]

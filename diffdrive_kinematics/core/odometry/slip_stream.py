@@ -1,0 +1,167 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""
+Noise on a stream of wheel motion: nominal samples in, biased and slipping samples out.
+
+The travel between the stamps of two samples is perturbed, so the statistics are exact whatever
+the message rate, and no clock is read.  The positions carry the noise exactly; the velocity is
+the rate just asked for, times what the interval just past made of its travel.
+"""
+
+from dataclasses import dataclass, replace
+from typing import Optional, Tuple
+
+from diffdrive_kinematics.core.kinematics import RunningSum
+from diffdrive_kinematics.core.noise import effective_ratio, sample_travel, WheelSlip
+from diffdrive_kinematics.core.odometry.wheel_motion import (
+    first_motion, Pair, receive, rolled, Verdict, WheelMotion, WheelSample)
+import numpy as np
+
+__all__ = ['SlipStream']
+
+ZERO: Pair = (0.0, 0.0)
+
+
+@dataclass(frozen=True)
+class SlipStream:
+    """
+    The state between two samples.
+
+    Parameters
+    ----------
+    radii : pair of float
+        Effective radii [m] that relate angle and travel.
+    left_slip, right_slip : WheelSlip
+        Bias and slip of the wheels.
+    timeout_ns : int or None
+        Longest silence [ns] over which rates are held, as in the base; None = any.
+    motion : WheelMotion or None
+        The nominal motion; None until the first sample.
+    told_ns : int
+        Stamp of the last sample that was put out [ns].
+    ahead : pair of float
+        Nominal angle [rad] that was put out already, beyond the anchor of ``motion``.
+    left, right : RunningSum
+        Effective angles [rad] that were put out.
+
+    Examples
+    --------
+    A left wheel that travels 50 % farther than it should:
+
+    >>> stream = SlipStream((0.125, 0.125), WheelSlip(bias=0.5), WheelSlip(), timeout_ns=None)
+    >>> generator = np.random.default_rng(1)
+    >>> stream, _, _ = stream.passed(WheelSample(0, (8.0, 8.0)), generator)
+    >>> stream, out, _ = stream.passed(WheelSample(1_000_000_000, (8.0, 8.0)), generator)
+    >>> out.rates, out.positions
+    ((12.0, 8.0), (12.0, 8.0))
+
+    """
+
+    radii: Pair
+    left_slip: WheelSlip
+    right_slip: WheelSlip
+    timeout_ns: Optional[int]
+    motion: Optional[WheelMotion] = None
+    told_ns: int = 0
+    ahead: Pair = ZERO
+    left: RunningSum = RunningSum(0.0)
+    right: RunningSum = RunningSum(0.0)
+
+    def passed(
+            self, sample: WheelSample, generator: 'np.random.Generator'
+    ) -> Tuple['SlipStream', Optional[WheelSample], Verdict]:
+        """
+        Return the stream after a sample, and what to put out.
+
+        Parameters
+        ----------
+        sample : WheelSample
+            Nominal motion of the wheels.
+        generator : numpy.random.Generator
+            Source of randomness.
+
+        Returns
+        -------
+        stream : SlipStream
+            The state after the sample.
+        out : WheelSample or None
+            Biased and slipping motion; None: drop the sample.  The first one put out has no
+            positions: it is the baseline from which they count.
+        verdict : Verdict
+            What became of the sample.
+
+        Examples
+        --------
+        See :class:`SlipStream`.
+
+        """
+        if self.motion is None:
+            motion = first_motion(sample)
+            stream = replace(self, motion=motion, told_ns=sample.stamp_ns)
+            return stream, self._out(sample, motion, ratios=None), Verdict.FIRST
+        result = receive(
+            self.motion, sample, now_ns=sample.stamp_ns, timeout_ns=self.timeout_ns)
+        late = result.verdict is Verdict.REPEATED and sample.stamp_ns <= self.told_ns
+        if late or result.verdict is Verdict.OUT_OF_ORDER:
+            return self, None, result.verdict
+        if result.verdict is Verdict.CLOCK_STEP:
+            stream = replace(
+                self, motion=result.motion, told_ns=sample.stamp_ns, ahead=ZERO)
+            return stream, stream._out(sample, result.motion, ratios=None), result.verdict
+        return (*self._perturbed(sample, result.motion, result.rolled, generator),
+                result.verdict)
+
+    def _perturbed(
+            self, sample: WheelSample, motion: WheelMotion, anchor_moved: Pair,
+            generator: 'np.random.Generator') -> Tuple['SlipStream', WheelSample]:
+        """Perturb the nominal angle between the sample put out last and this one."""
+        told_ns = max(sample.stamp_ns, self.told_ns + 1)
+        held = rolled(motion, told_ns, self.timeout_ns)
+        nominal = (anchor_moved[0] + held[0] - self.ahead[0],
+                   anchor_moved[1] + held[1] - self.ahead[1])
+        left, left_ratio = _slip(
+            self.left_slip, nominal[0], self.radii[0], generator)
+        right, right_ratio = _slip(
+            self.right_slip, nominal[1], self.radii[1], generator)
+        stream = replace(
+            self, motion=motion, ahead=held, told_ns=told_ns,
+            left=self.left.plus(left), right=self.right.plus(right))
+        return stream, stream._out(sample, motion, ratios=(left_ratio, right_ratio))
+
+    def _out(
+            self, sample: WheelSample, motion: WheelMotion, ratios: Optional[Pair]
+    ) -> WheelSample:
+        """Return the sample to put out; its positions are left away while nothing counts yet."""
+        first = self.motion is None
+        left, right = ratios or (1.0 + self.left_slip.bias, 1.0 + self.right_slip.bias)
+        rates = (motion.rates[0] * left, motion.rates[1] * right) if motion.holds else None
+        if first:
+            return WheelSample(sample.stamp_ns, rates or ZERO)
+        return WheelSample(self.told_ns, rates, (self.left.value, self.right.value))
+
+
+def _slip(
+        slip: WheelSlip, angle: float, radius: float, generator: 'np.random.Generator'
+) -> Tuple[float, float]:
+    """
+    Return (effective angle [rad], effective over nominal travel) of a nominal angle.
+
+    A wheel at rest draws nothing: how long it rests does not change what its next metre does.
+    """
+    if angle == 0.0:
+        return 0.0, 1.0 + slip.bias
+    travel = angle * radius
+    effective = sample_travel(slip, travel, generator)
+    return float(effective) / radius, effective_ratio(slip, travel, float(effective))

@@ -1,0 +1,179 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Commands as they come: which of them are alive, and what lay in a queue for too long."""
+
+import math
+import time
+from typing import Any, Callable, Dict, Mapping, Optional, Tuple
+
+from diffdrive_kinematics.core.commands import STILL, Twist
+from diffdrive_kinematics.core.odometry import SenderClocks
+from diffdrive_kinematics.ros.messages.messages import command_in
+from rclpy.subscription import Subscription
+
+__all__ = ['Backlog', 'CommandIntake', 'LATE_NS']
+
+NANOSECONDS = 1e9
+LATE_NS = 50_000_000  # up to which the age of a command is that of its way here
+BEFORE_ALL_NS = -2**63
+REPORT_PERIOD_S = 1.0
+BY_STAMP = 'for clocks that are apart there is cmd_vel_clock_offset'
+BY_SENDING = 'it lay in a queue, or the clock of its sender is behind'
+GRACE_S = 0.02  # which the middleware has to deliver after the process was held up
+PAUSE_S = 0.001
+MOST = 1000
+
+
+class CommandIntake:
+    """
+    Reads commands, and refuses old ones: counted, and reported.
+
+    A command is old by its stamp, where it has one, and by the time at which the middleware sent
+    it: older than the timeout.  Nor does one override another that is stamped later.  A command
+    to stand still is obeyed whatever its stamp.
+
+    Parameters
+    ----------
+    node : DiffDriveNode
+        Which counts and reports.
+    stamped : bool
+        Whether commands are TwistStamped.
+    topic : str
+        Resolved name, for reports.
+    values : mapping
+        Of the parameters.
+
+    """
+
+    def __init__(self, node: Any, stamped: bool, topic: str, values: Mapping[str, Any]) -> None:
+        self._node, self._stamped, self._topic = node, stamped, topic
+        self._obeyed_ns = BEFORE_ALL_NS
+        self._clocks, self._on_own_clock = SenderClocks(0), True
+        self.configure(values)
+
+    def configure(self, values: Mapping[str, Any]) -> None:
+        """Judge by other values from now on."""
+        timeout, tolerance = values['cmd_vel_timeout'], values['stamp_tolerance']
+        offset = values['cmd_vel_clock_offset']
+        self._offset_ns = None if math.isnan(offset) else round(offset * NANOSECONDS)
+        self._tolerance_ns = round(tolerance * NANOSECONDS)
+        self._oldest_ns = round(max(timeout, tolerance) * NANOSECONDS) if timeout else math.inf
+        timeout_ns, given_ns = round(timeout * NANOSECONDS), self._offset_ns or None
+        self._looks_at_sending = bool(timeout) and self._offset_ns is not None
+        if (self._clocks.timeout_ns, self._clocks.given_ns) != (timeout_ns, given_ns):
+            self._clocks = SenderClocks(timeout_ns, given_ns=given_ns)
+            self._on_own_clock = True
+
+    def alive(
+            self, message: bytes, now_ns: int, sent: Optional[Mapping[str, Any]]
+    ) -> Optional[Tuple[Twist, int, int, int]]:
+        """
+        Return the command of a serialised message, or None for one that is refused.
+
+        It is the twist, the time from which it holds, its age, and its own stamp on the clock of
+        the controller, 0 where it has none; times in ns.
+
+        Parameters
+        ----------
+        message : bytes
+            A serialised Twist, or TwistStamped.
+        now_ns : int
+            Time of arrival [ns].
+        sent : mapping or None
+            What the middleware knows of it; None: it has just been sent.
+
+        """
+        own_ns, v, w = command_in(message, self._stamped)
+        twist, stamp_ns, age_ns, hint = Twist(v, w), now_ns, 0, BY_STAMP
+        if self._offset_ns is None:
+            own_ns = 0
+        if own_ns:
+            own_ns += self._offset_ns
+            age_ns = now_ns - own_ns
+            if 0 <= age_ns <= self._tolerance_ns:
+                stamp_ns = own_ns
+            if own_ns < self._obeyed_ns and twist != STILL:
+                return self._refused(
+                    f'is stamped {(self._obeyed_ns - own_ns) / NANOSECONDS:.3f} s before the last '
+                    'one obeyed', hint)
+        if sent is not None and self._looks_at_sending and (sent_ns := sent['source_timestamp']):
+            latency_ns = time.time_ns() - sent_ns
+            if not (self._on_own_clock and 0 <= latency_ns < LATE_NS):  # as nearly always
+                if age_ns <= self._oldest_ns:
+                    hint = BY_SENDING
+                age_ns = max(age_ns, self._learnt_age(latency_ns))
+        if age_ns > self._oldest_ns and twist != STILL:
+            return self._refused(
+                f'is {age_ns / NANOSECONDS:.3f} s old, cmd_vel_timeout is '
+                f"{self._node.config.values['cmd_vel_timeout']!r}", hint)
+        if own_ns:
+            self._obeyed_ns = max(self._obeyed_ns, min(own_ns, now_ns))
+        return twist, stamp_ns, age_ns, own_ns
+
+    def none_before(self, time_ns: int) -> None:
+        """Obey no command to move that is stamped before a time [ns]."""
+        self._obeyed_ns = max(self._obeyed_ns, time_ns)
+
+    def clock_stepped(self, step_ns: int, *, wall: bool) -> None:
+        """Note that the own clock, the ``wall`` clock or a simulated one, was stepped."""
+        self._obeyed_ns = max(BEFORE_ALL_NS, self._obeyed_ns + step_ns)
+        if wall:
+            self._clocks = self._clocks.clock_stepped(step_ns)
+            self._on_own_clock = False
+
+    def values(self) -> Dict[str, Any]:
+        """Return what diagnostics tell of it."""
+        return {'old commands': self._node.counts['old commands']}
+
+    def _learnt_age(self, latency_ns: int) -> int:
+        """Return how long ago [ns] a message was sent, and learn of its sender's clock."""
+        now_ns = time.monotonic_ns()
+        if self._on_own_clock:  # up to now
+            self._clocks = self._clocks.heard(0, now_ns)[0]
+        self._clocks, age_ns = self._clocks.heard(latency_ns, now_ns)
+        self._on_own_clock = self._clocks.agree()
+        return age_ns
+
+    def _refused(self, why: str, hint: str) -> None:
+        self._node.counts['old commands'] += 1
+        self._node.get_logger().warning(
+            f"a command on '{self._topic}' {why}: ignored "
+            f"({self._node.counts['old commands']} so far); {hint}",
+            throttle_duration_sec=REPORT_PERIOD_S)
+
+
+class Backlog:
+    """What lies in the queue of commands when the process goes on after it was held up."""
+
+    def __init__(self, subscription: Subscription) -> None:
+        self._subscription = subscription
+
+    def hand_on(self, enough: Callable[[], bool], *, wait: bool) -> None:
+        """
+        Hand on what is there.
+
+        With ``wait`` what is on its way has a moment to come, unless there is ``enough``: the
+        middleware was held up as well.
+        """
+        take, kind = self._subscription.handle.take_message, self._subscription.msg_type
+        end = time.monotonic() + (GRACE_S if wait else 0.0)
+        while True:
+            for _ in range(MOST):  # a flood would never end
+                if not (taken := take(kind, True)):
+                    break
+                self._subscription.callback(*taken)
+            if enough() or time.monotonic() >= end:
+                return
+            time.sleep(PAUSE_S)

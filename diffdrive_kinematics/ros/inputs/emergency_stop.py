@@ -1,0 +1,111 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The emergency stop of the controller: a topic, and services."""
+
+from typing import Any, Callable, Dict, List, Tuple
+
+from diffdrive_kinematics.ros.parameters.qos import best_effort, latched
+from diffdrive_kinematics.ros.runtime.diagnostics import ERROR, Trouble
+from std_msgs.msg import Bool
+from std_srvs.srv import Trigger
+
+__all__ = ['EmergencyStop']
+
+REPORT_PERIOD_S = 5.0
+
+
+class EmergencyStop:
+    """
+    Is engaged while the topic last said so, or since ``~/stop`` was called until ``~/resume`` is.
+
+    Parameters
+    ----------
+    node : DiffDriveNode
+        Whose stop it is.
+    topic : str
+        Of ``std_msgs/Bool``, true: stop; empty: there is none.
+    on_stop : callable
+        Called where it is engaged.
+    on_release : callable
+        Called before the stop is over.
+
+    """
+
+    def __init__(
+            self, node: Any, topic: str, on_stop: Callable[[], None],
+            on_release: Callable[[], None]) -> None:
+        self._node, self._on_stop, self._on_release = node, on_stop, on_release
+        self._topic = node.resolve_topic_name(topic) if topic else ''
+        self._by: Tuple[str, ...] = ()
+        self.engaged = False
+        self.ignored = 0
+        if topic:
+            node.subscribe(Bool, topic, self._on_topic)
+            # DDS joins no reader and writer where the reader asks for more: what is latched, or
+            # what is reliable.  What is heard twice is the same.
+            for profile in (latched(), best_effort()):
+                node.create_subscription(Bool, topic, self._on_topic, profile)
+        node.create_service(Trigger, '~/stop', self._on_stop_service)
+        node.create_service(Trigger, '~/resume', self._on_resume)
+
+    def ignore(self) -> None:
+        """Count a command that is not obeyed."""
+        self.ignored += 1
+        self._node.get_logger().warning(
+            f'{self._state()}: a command is ignored ({self.ignored} so far)',
+            throttle_duration_sec=REPORT_PERIOD_S)
+
+    def values(self) -> Dict[str, Any]:
+        """Return what diagnostics tell of it."""
+        return {'emergency stop': self._state() if self.engaged else 'off',
+                'commands ignored while stopped': self.ignored}
+
+    def troubles(self) -> List[Trouble]:
+        """Return that the robot will not move."""
+        return [Trouble(ERROR, self._state())] if self.engaged else []
+
+    def _state(self) -> str:
+        return f"stopped by {' and '.join(self._by)}"
+
+    def _on_topic(self, message: Bool) -> None:
+        self._set(f"'{self._topic}'", message.data)
+
+    def _on_stop_service(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        self._set('~/stop', True)
+        response.success, response.message = True, self._state()
+        return response
+
+    def _on_resume(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        self._set('~/stop', False)
+        response.success = not self.engaged
+        response.message = (
+            f'{self._state()}, which still says so' if self.engaged
+            else 'the next command is obeyed')
+        return response
+
+    def _set(self, source: str, stop: bool) -> None:
+        if stop == (source in self._by):
+            return
+        if stop:
+            self._by = (*self._by, source)
+            self.engaged = True
+            self._on_stop()
+        else:
+            if len(self._by) == 1:
+                self._on_release()
+            self._by = tuple(each for each in self._by if each != source)
+            self.engaged = bool(self._by)
+        self._node.get_logger().warning(
+            f"emergency stop: {self._state() if self.engaged else 'off'}")

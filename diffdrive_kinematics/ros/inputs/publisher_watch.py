@@ -1,0 +1,74 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Says who publishes what should have one publisher, once where it changes, and while it lasts."""
+
+from typing import Any, List
+
+from diffdrive_kinematics.ros.runtime.diagnostics import Trouble, WARN
+from rclpy.subscription import Subscription
+
+__all__ = ['LOOK_RATE', 'PublisherWatch', 'publishers_of']
+
+LOOK_RATE = 1.0  # [Hz]; a look takes a microsecond where nothing has changed
+
+
+def publishers_of(node: Any, topic: str) -> str:
+    """Return the names of the nodes that publish a topic, as a list in words."""
+    found = node.get_publishers_info_by_topic(node.resolve_topic_name(topic))
+    names = sorted(f"{info.node_namespace.rstrip('/')}/{info.node_name}" for info in found)
+    return ', '.join(names) or 'nodes unknown'
+
+
+class PublisherWatch:
+    """
+    Watches the number of publishers of a topic that should have one.
+
+    Parameters
+    ----------
+    node : DiffDriveNode
+        That listens.
+    topic : str
+        As the node names it.
+    subscription : Subscription
+        Of the node; publishers of other types, which it does not hear, do not count.
+    remedy : str
+        What to do about it, in words.
+
+    """
+
+    def __init__(self, node: Any, topic: str, subscription: Subscription, remedy: str) -> None:
+        self._node, self._topic, self._remedy = node, topic, remedy
+        self._count_of = subscription.handle.get_publisher_count
+        self.count, self._trouble = 0, ''
+        node.every(LOOK_RATE, self._look)
+
+    def _look(self) -> None:
+        count = self._count_of()
+        if count == self.count:
+            return
+        was, self.count = self.count, count
+        topic = self._node.resolve_topic_name(self._topic)
+        if count > 1:
+            self._trouble = (
+                f"{count} publishers of '{topic}' ({publishers_of(self._node, topic)}): "
+                f'{self._remedy}')
+            self._node.get_logger().warning(self._trouble)
+        elif was > 1:
+            self._trouble = ''
+            self._node.get_logger().info(f"'{topic}' has no more than one publisher again")
+
+    def troubles(self) -> List[Trouble]:
+        """Return what is wrong, for diagnostics."""
+        return [Trouble(WARN, self._trouble)] if self.count > 1 else []

@@ -1,0 +1,139 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Says what is wrong with the publishers of wheel motion, and with single wheels."""
+
+from typing import Any, Dict, List
+
+from diffdrive_kinematics.ros.inputs.publisher_watch import LOOK_RATE, publishers_of
+from diffdrive_kinematics.ros.messages.wheel_messages import WheelReader
+from diffdrive_kinematics.ros.runtime.diagnostics import Trouble, WARN
+
+__all__ = ['WheelWatch']
+
+MOST_APART_NS = 250_000_000  # of the delays of joints whose clocks agree
+GRACE_NS = 1_000_000_000  # for messages with the other joints
+REMEDY = (
+    'one of them is believed, the others are ignored: let one node publish these joints, and '
+    "remap the others' topic (joint_state_publisher has no place beside a driver)")
+
+
+class WheelWatch:
+    """
+    Looks at a reader of wheel motion now and then, and says what has changed.
+
+    Parameters
+    ----------
+    node : DiffDriveNode
+        That listens.
+    reader : WheelReader
+        What it reads with.
+    topic : str
+        Of wheel motion, as the node names it.
+
+    """
+
+    def __init__(self, node: Any, reader: WheelReader, topic: str) -> None:
+        self._node, self._gathering, self._reader = node, reader.gathering, reader
+        self._topic = node.resolve_topic_name(topic)
+        self._contest, self._silent, self._apart = '', '', ''
+        self._disagreements: List[str] = []
+        self._left_out = self._told_left_out = self._told_incomplete = 0
+        node.every(LOOK_RATE, self._look)
+
+    def _look(self) -> None:
+        now_ns = self._node.now_ns()
+        self._look_at_publishers(now_ns)
+        self._look_at_missing_joints(now_ns)
+        self._look_at_stamps()
+        self._look_at_wheels()
+
+    def _look_at_publishers(self, now_ns: int) -> None:
+        sources = self._gathering.sources
+        if not sources.contested(now_ns):
+            self._contest = ''
+        elif not self._contest:
+            self._contest = (
+                f"wheel motion of our joints comes from several publishers on '{self._topic}' "
+                f'(it is published by {publishers_of(self._node, self._topic)}): {REMEDY}')
+            self._node.get_logger().warning(self._contest)
+
+    def _look_at_missing_joints(self, now_ns: int) -> None:
+        since_ns = self._gathering.waiting_since_ns
+        if since_ns is None or now_ns - since_ns < GRACE_NS:
+            self._silent = ''
+            return
+        missing, never = self._gathering.missing()
+        if never and self._told_incomplete != self._gathering.incomplete:
+            self._told_incomplete = self._gathering.incomplete
+            self._node.refuse(
+                f"message on '{self._topic}': name is {list(self._reader.partial)!r}, only some "
+                f'of our joints, expected also {missing!r}')
+        elif not never and not self._silent:
+            self._silent = f"nothing heard of {missing!r} on '{self._topic}', of the others it is"
+            self._node.get_logger().warning(self._silent)
+
+    def _look_at_stamps(self) -> None:
+        delays = self._gathering.delays()
+        if delays is None:
+            return
+        first, last = min(delays, key=delays.__getitem__), max(delays, key=delays.__getitem__)
+        apart_ns = delays[last] - delays[first]
+        if apart_ns <= MOST_APART_NS:
+            self._apart = ''
+            return
+        told, self._apart = self._apart, (
+            f"stamps of {last!r} on '{self._topic}' are {apart_ns / 1e9:.3f} s behind those of "
+            f'{first!r}, so what the wheels say is not of one time: has each board a clock of '
+            'its own?')
+        if not told:
+            self._node.get_logger().warning(self._apart)
+
+    def _look_at_wheels(self) -> None:
+        gathering = self._gathering
+        self._left_out = gathering.left_out - self._told_left_out
+        self._told_left_out = gathering.left_out
+        if self._left_out:
+            self._node.get_logger().warning(
+                f'{self._left_out_text()}, {gathering.left_out} so far: the other wheels of the '
+                'side are used')
+        before, self._disagreements = self._disagreements, gathering.disagreements()
+        if len(self._disagreements) > len(before):
+            self._node.get_logger().warning(self._disagreement_text())
+        elif before and not self._disagreements:
+            self._node.get_logger().info(f"wheels of a side agree again on '{self._topic}'")
+
+    def _left_out_text(self) -> str:
+        return (f"{self._gathering.last_left_out} in '{self._topic}' "
+                f'({self._left_out} readings left out)')
+
+    def _disagreement_text(self) -> str:
+        return (f"wheels of a side disagree on '{self._topic}', in the same time they have gone "
+                f"{'; '.join(self._disagreements)}: is an encoder stuck, or a wheel in the air?")
+
+    def troubles(self) -> List[Trouble]:
+        """Return what is wrong, for diagnostics."""
+        texts = [self._contest, self._silent, self._apart]
+        if self._left_out:
+            texts.append(self._left_out_text())
+        if self._disagreements:
+            texts.append(self._disagreement_text())
+        return [Trouble(WARN, text) for text in texts if text]
+
+    def values(self) -> Dict[str, Any]:
+        """Return what there is to count, for diagnostics."""
+        gathering = self._gathering
+        return {'messages of other publishers': gathering.sources.ignored,
+                'wheel readings left out': gathering.left_out,
+                'wheels that disagree': '; '.join(self._disagreements) or 'none'}

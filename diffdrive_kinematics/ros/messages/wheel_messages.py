@@ -1,0 +1,250 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Wheel motion as JointState: read in any shape, written with the bytes overwritten in place."""
+
+from typing import Callable, Dict, Optional, Sequence, Tuple, Union
+
+from diffdrive_kinematics.core.odometry import Encoder, Pair, Spoken, WheelSample
+from diffdrive_kinematics.ros.messages.messages import check_stamp
+from diffdrive_kinematics.ros.messages.wheel_gathering import Gathered, Gathering
+from diffdrive_kinematics.ros.messages.wheel_joints import WheelJoints
+from diffdrive_kinematics.ros.messages.wire import (
+    joint_names, JointStateLayout, Layout, NANOSECONDS, Template)
+from rclpy.serialization import deserialize_message
+from sensor_msgs.msg import JointState
+
+__all__ = ['WheelCommandMessage', 'WheelMessage', 'WheelReader']
+
+MOST_LAYOUTS = 16
+NOBODY = -1
+
+
+class WheelReader:
+    """
+    Reads wheel motion from JointState: joints in any order, several wheels a side.
+
+    A side's rate and position are the means over its wheels, but for those that say nothing or
+    contradict the others; of several publishers of the same joints one is believed; messages
+    that carry only some of the joints are put together (see ``Gathering``).
+    ``header.frame_id``, which has no other meaning in a JointState, tells one run of a publisher
+    of this package from another.  Positions that wrap around with the range of the encoders
+    [rad] are followed, each joint by itself; range 0: they do not wrap.
+    """
+
+    def __init__(
+            self, joints: WheelJoints, *, positions: bool = True,
+            encoder_range: float = 0.0) -> None:
+        self._joints = joints
+        self._with_positions = positions
+        self._plain = len(joints.all_names()) == 2 and not encoder_range
+        self.gathering = Gathering(joints, encoder_range)
+        self._names: Sequence[str] = ()
+        self.partial: Sequence[str] = ()  # the names of the last message with only some of ours
+        self._indices: Tuple[int, ...] = ()
+        self._ours: Tuple[int, ...] = ()
+        self._layouts: Dict[int, JointStateLayout] = {}
+        self._next, self._tag = NOBODY, ''  # whose message, if one comes, is the usual one
+        self._last: Tuple[Sequence[float], Sequence[float], int] = (), (), 0
+
+    def read(
+            self, message: Union[JointState, bytes], now_ns: Callable[[], int],
+            number: int = 0) -> Optional[WheelSample]:
+        """
+        Return the wheel sample of a message, serialised or not.
+
+        None: none of our joints is in it, it is one of several that make a sample, or another
+        publisher is believed.  A zero stamp means now.  Values that are NaN for all our joints
+        count as absent, since joint_state_broadcaster fills in NaN for what a robot does not
+        measure.  ``number`` is that of the message among those of its publisher; 0: unknown.
+
+        Raises
+        ------
+        ValueError
+            If lengths do not match, values are not finite, or the stamp is none.
+
+        """
+        if isinstance(message, bytes):
+            layout = self._layouts.get(len(message))
+            fields = layout.read(message) if layout else None
+            if layout and fields:
+                return self._sample(layout.names, layout.frame_id, *fields, now_ns, number)
+            message = self._deserialised(message)
+        stamp = message.header.stamp
+        return self._sample(
+            tuple(message.name), message.header.frame_id, stamp.sec, stamp.nanosec,
+            message.position, message.velocity, now_ns, number)
+
+    def _deserialised(self, data: bytes) -> JointState:
+        """Return the message, and remember its layout: the next one will have the same."""
+        message = deserialize_message(data, JointState)
+        if len(self._layouts) >= MOST_LAYOUTS:
+            self._layouts.clear()
+        self._layouts[len(data)] = JointStateLayout(message)
+        return message
+
+    def _sample(
+            self, names: Sequence[str], source: str, sec: int, nanosec: int,
+            position: Sequence[float], velocity: Sequence[float],
+            now_ns: Callable[[], int], number: int) -> Optional[WheelSample]:
+        if names != self._names:
+            self._find(names)
+        indices = self._indices
+        if not indices:
+            return None
+        check_stamp(sec, nanosec)
+        rates = self._values('velocity', velocity, indices)
+        positions = None
+        if self._with_positions:
+            positions = self._values('position', position, indices)
+        arrived_ns = now_ns()
+        stamp_ns = sec * NANOSECONDS + nanosec or arrived_ns
+        if number == self._next and source == self._tag:
+            self._last = positions or (), rates or (), arrived_ns
+            if number:
+                self._next = number + 1
+        else:
+            gathered = self._gathered(
+                Spoken(source, self._ours, number, arrived_ns, positions or (), rates or ()),
+                stamp_ns)
+            if gathered is None:
+                return None
+            stamp_ns, positions, rates, source = gathered
+        if rates is not None:
+            rates = self._joints.signed(rates)
+        if positions is not None:
+            positions = self._joints.signed(positions)
+            if rates is not None:
+                rates = None if _is_nan(*rates) else rates
+                positions = None if rates and _is_nan(*positions) else positions
+        return WheelSample(stamp_ns, rates, positions, source)
+
+    def _find(self, names: Sequence[str]) -> None:
+        """Note which of our joints are among the names, and where."""
+        wanted = self._joints.all_names()
+        self._ours = tuple(number for number, name in enumerate(wanted) if name in names)
+        self._indices = tuple(names.index(wanted[number]) for number in self._ours)
+        self._names = names
+        if 0 < len(self._ours) < len(wanted):
+            self.partial = names
+        self._be_careful()
+
+    def _gathered(self, spoken: Spoken, stamp_ns: int) -> Optional[Gathered]:
+        """Return what is known after a message that may not be the usual one."""
+        self._be_careful()
+        gathered = self.gathering.after(spoken, stamp_ns)
+        if gathered and self._plain and len(spoken.joints) == 2 and self.gathering.usual():
+            self._next, self._tag = spoken.number and spoken.number + 1, spoken.tag
+            self._last = spoken.positions, spoken.rates, spoken.now_ns
+        return gathered
+
+    def _be_careful(self) -> None:
+        """Take no message for the usual one, and catch up on those that were."""
+        if self._next != NOBODY:
+            positions, rates, now_ns = self._last
+            self.gathering.caught_up(Spoken(
+                self._tag, (0, 1), max(0, self._next - 1), now_ns, positions, rates))
+            self._next = NOBODY
+
+    def _values(
+            self, field: str, values: Sequence[float],
+            indices: Tuple[int, ...]) -> Optional[Tuple[float, ...]]:
+        """Return the values of our joints, in their order; zero has no sign."""
+        if not values:
+            return None
+        if len(values) != len(self._names):
+            raise ValueError(
+                f'{field} has {len(values)} values, expected {len(self._names)}, one for '
+                'each name')
+        if len(indices) == 2:
+            left, right = indices
+            return 0.0 + values[left], 0.0 + values[right]
+        return tuple(values[index] for index in indices)
+
+
+def _is_nan(left: float, right: float) -> bool:
+    return left != left and right != right
+
+
+class WheelMessage:
+    """
+    A serialised JointState for all wheels that is filled anew for each sample.
+
+    ``source`` tells this run of this publisher from any other, so that positions that begin to
+    count anew are not taken for motion (see ``WheelReader``).  ``encoder`` reads the positions.
+    """
+
+    def __init__(
+            self, joints: WheelJoints, source: str = '', encoder: Encoder = Encoder()) -> None:
+        self._joints, self._encoder, self._source = joints, encoder, source
+        self._reads = bool(encoder.period or encoder.resolution)
+        self._templates: Dict[Tuple[bool, bool], _JointStateTemplate] = {}
+
+    def filled(
+            self, stamp_ns: int, rates: Optional[Pair], positions: Optional[Pair]) -> bytes:
+        """Return the message with a stamp, rates [rad/s] and positions [rad]; None: absent."""
+        kind = positions is not None, rates is not None
+        template = self._templates.get(kind)
+        if template is None:
+            template = _JointStateTemplate(self._source, self._joints.all_names(), *kind)
+            self._templates[kind] = template
+        template.stamp(stamp_ns)
+        if positions is not None:
+            angles = self._joints.signed(positions)
+            _fill(template.positions, self._joints.spread(
+                self._read(angles) if self._reads else angles))
+        if rates is not None:
+            _fill(template.velocities, self._joints.spread(self._joints.signed(rates)))
+        return template.message()
+
+    def _read(self, angles: Pair) -> Pair:
+        return self._encoder.reading(angles[0]), self._encoder.reading(angles[1])
+
+
+class _JointStateTemplate(Template):
+    """The bytes of a JointState without effort, and of those arrays that are present."""
+
+    def __init__(
+            self, source: str, names: Sequence[str], with_positions: bool,
+            with_rates: bool) -> None:
+        layout = joint_names(source, names)
+        at = [layout.sequence('d', [0.0] * len(names) if present else [])
+              for present in (with_positions, with_rates, False)]
+        super().__init__(layout)
+        self.positions = self.doubles(at[0], len(names) if with_positions else 0)
+        self.velocities = self.doubles(at[1], len(names) if with_rates else 0)
+
+
+def _fill(view: 'memoryview[float]', values: Sequence[float]) -> None:
+    for index, value in enumerate(values):
+        view[index] = value
+
+
+class WheelCommandMessage:
+    """A serialised Float64MultiArray of wheel rates, left wheels then right wheels."""
+
+    def __init__(self, joints: WheelJoints) -> None:
+        self._joints = joints
+        count = len(joints.all_names())
+        layout = Layout()
+        layout.sequence('I', [])  # dimensions
+        layout.numbers('I', [0])  # offset of the data
+        at = layout.sequence('d', [0.0] * count)
+        self._template = Template(layout)
+        self._rates = self._template.doubles(at, count)
+
+    def filled(self, rates: Pair) -> bytes:
+        """Return the message with rates [rad/s]."""
+        _fill(self._rates, self._joints.spread(self._joints.signed(rates)))
+        return self._template.message()

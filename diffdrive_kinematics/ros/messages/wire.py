@@ -1,0 +1,185 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""
+Where the fields of a message stand in its serialised form.
+
+To make, fill and serialise a message object costs a Python node more than its arithmetic.  So
+what is sent often is kept as bytes whose changing numbers are overwritten in place, and what is
+heard often is read by one ``struct`` that is made once for each shape of message.
+
+The form is the OMG's CDR ("DDS Interoperability Wire Protocol", 2.5, 10.2): a header of four
+bytes, then one field after the other, each aligned to its own size counted from the header's end.
+Bytes that only align mean nothing, and rclpy leaves in them what was in memory.
+"""
+
+import struct
+import sys
+from typing import Any, Optional, Sequence, Tuple
+
+from sensor_msgs.msg import JointState
+
+__all__ = [
+    'JointStateLayout', 'Layout', 'Template', 'joint_names', 'read_stamped_twist', 'read_twist',
+    'stamped_sequence']
+
+NANOSECONDS = 1_000_000_000
+
+HEADER = bytes((0, sys.byteorder == 'little', 0, 0))
+STAMP_AT = len(HEADER)
+AFTER_STAMP = 3  # values: those of the header of four bytes, of sec and of nanosec
+TWIST_DOUBLES = 6
+_pack_stamp = struct.Struct('=iI').pack_into
+_read_twist = struct.Struct('=d32xd').unpack_from  # linear.x and angular.z
+_read_stamp_and_length = struct.Struct('=iII').unpack_from
+
+
+class Layout:
+    """The format, for ``struct``, of a message whose fields are named one after the other."""
+
+    def __init__(self) -> None:
+        self.format = f'={len(HEADER)}s'
+        self.values: 'list[Any]' = [HEADER]
+        self.size = len(HEADER)
+
+    def numbers(self, code: str, values: Sequence[float]) -> int:
+        """Append numbers of one type (a code of ``struct``); return where the first one is."""
+        if not values:
+            return self.size  # nothing is aligned where nothing stands
+        size = struct.calcsize(f'={code}')
+        padding = (len(HEADER) - self.size) % size
+        self.format += f'{padding}x{len(values)}{code}'
+        self.values += values
+        self.size += padding + size * len(values)
+        return self.size - size * len(values)
+
+    def text(self, text: str) -> None:
+        """Append a string."""
+        encoded = text.encode() + b'\0'
+        self.numbers('I', [len(encoded)])
+        self.format += f'{len(encoded)}s'
+        self.values.append(encoded)
+        self.size += len(encoded)
+
+    def header(self, frame_id: str) -> int:
+        """Append a std_msgs/Header with a stamp of zero; return where the stamp is."""
+        at = self.numbers('i', [0])
+        self.numbers('I', [0])
+        self.text(frame_id)
+        return at
+
+    def sequence(self, code: str, values: Sequence[float]) -> int:
+        """Append a sequence of numbers; return where the first one is."""
+        self.numbers('I', [len(values)])
+        return self.numbers(code, values)
+
+
+class Template:
+    """A serialised message whose numbers can be overwritten."""
+
+    def __init__(self, layout: Layout) -> None:
+        self._data = bytearray(struct.pack(layout.format, *layout.values))
+
+    def doubles(self, first: int, count: int) -> 'memoryview[float]':
+        """Return doubles of the message, the first one at ``first``, to be written to."""
+        return memoryview(self._data)[first:first + 8 * count].cast('d')
+
+    def stamp(self, time_ns: int, at: int = STAMP_AT) -> None:
+        """Write a stamp, by default that of the header with which the message begins."""
+        _pack_stamp(self._data, at, time_ns // NANOSECONDS, time_ns % NANOSECONDS)
+
+    def message(self) -> bytes:
+        """Return what is to be published."""
+        return bytes(self._data)
+
+
+def stamped_sequence(sec: int, nanosec: int, frame_id: str, count: int) -> bytes:
+    """Return the beginning of a message that is a header and a sequence of so many elements."""
+    layout = Layout()
+    layout.header(frame_id)
+    layout.numbers('I', [count])
+    front = bytearray(struct.pack(layout.format, *layout.values))
+    _pack_stamp(front, STAMP_AT, sec, nanosec)
+    return bytes(front)
+
+
+def joint_names(frame_id: str, names: Sequence[str]) -> Layout:
+    """Return the layout of a JointState up to its positions."""
+    layout = Layout()
+    layout.header(frame_id)
+    layout.numbers('I', [len(names)])
+    for name in names:
+        layout.text(name)
+    return layout
+
+
+class JointStateLayout:
+    """
+    Reads JointState messages that differ only in their stamp and numbers from one of them.
+
+    ``names`` and ``frame_id`` are those of the message that it was made for.
+    """
+
+    def __init__(self, message: JointState) -> None:
+        self.frame_id, self.names = message.header.frame_id, tuple(message.name)
+        layout = joint_names(self.frame_id, self.names)
+        self._texts = slice(AFTER_STAMP, len(layout.values))
+        self._position, self._velocity, effort = (
+            self._sequence(layout, numbers)
+            for numbers in (message.position, message.velocity, message.effort))
+        self._known = tuple(layout.values)
+        self._counts = [each.start - 1 for each in (self._position, self._velocity, effort)]
+        self._unpack = struct.Struct(layout.format).unpack_from
+        self._size = layout.size
+
+    @staticmethod
+    def _sequence(layout: Layout, numbers: Sequence[float]) -> slice:
+        """Append a sequence of doubles; return which of the values they are."""
+        layout.sequence('d', numbers)
+        return slice(len(layout.values) - len(numbers), len(layout.values))
+
+    def read(self, data: bytes) -> Optional[Tuple[int, int, Tuple[float, ...], Tuple[float, ...]]]:
+        """
+        Return (sec, nanosec, position, velocity) of a serialised message.
+
+        None: it is of another layout.
+        """
+        if len(data) < self._size:
+            return None
+        fields, known = self._unpack(data), self._known
+        if fields[self._texts] != known[self._texts]:
+            return None
+        for index in self._counts:
+            if fields[index] != known[index]:
+                return None
+        return fields[1], fields[2], fields[self._position], fields[self._velocity]
+
+
+def read_twist(data: bytes) -> Optional[Tuple[float, float]]:
+    """Return (linear.x, angular.z) of a serialised Twist; None: it is in another form."""
+    if data[:STAMP_AT] != HEADER or len(data) < STAMP_AT + 8 * TWIST_DOUBLES:
+        return None
+    return _read_twist(data, STAMP_AT)
+
+
+def read_stamped_twist(data: bytes) -> Optional[Tuple[int, int, float, float]]:
+    """Return (sec, nanosec, linear.x, angular.z) of a TwistStamped; None: in another form."""
+    if data[:STAMP_AT] != HEADER or len(data) < STAMP_AT + 12:
+        return None
+    sec, nanosec, length = _read_stamp_and_length(data, STAMP_AT)
+    after = STAMP_AT + 12 + length
+    first = after + (STAMP_AT - after) % 8
+    if len(data) < first + 8 * TWIST_DOUBLES:
+        return None
+    return (sec, nanosec, *_read_twist(data, first))

@@ -1,0 +1,245 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""A parameter: its name, type, default and meaning, and what its value must satisfy."""
+
+from dataclasses import dataclass
+import enum
+import math
+from typing import Any, Callable, Optional, Tuple
+
+from diffdrive_kinematics.core.kinematics import (
+    check_above, check_duration, check_non_negative, check_positive, check_rate)
+from diffdrive_kinematics.core.noise import DISTRIBUTIONS, SLIP_MODELS
+from rclpy.exceptions import InvalidTopicNameException
+from rclpy.validate_topic_name import validate_topic_name
+
+__all__ = [
+    'Check', 'Entry', 'Kind', 'check_bias', 'check_concentration', 'check_count',
+    'check_description', 'check_diagonal', 'check_distribution', 'check_frame', 'check_horizon',
+    'check_joint_names', 'check_named', 'check_offset', 'check_one_of', 'check_optional_picture',
+    'check_optional_seed', 'check_optional_topic', 'check_picture', 'check_pose',
+    'check_positive_or_nan', 'check_prefix', 'check_range', 'check_rate_or_off',
+    'check_resolution', 'check_seed', 'check_slip_model', 'check_stages', 'check_step',
+    'check_topic', 'check_wheel_base', 'check_width', 'check_window', 'string', 'topic']
+
+Check = Callable[[str, Any], Any]
+MOST, MOST_STAGES, MOST_IN_WINDOW = 100_000, 25, 1000
+MOST_OFFSET = 1e9  # [s]
+
+
+class Kind(enum.Enum):
+    """Type of a parameter, in words for its user."""
+
+    BOOL = 'true or false'
+    INTEGER = 'an integer'
+    DOUBLE = 'a number'
+    STRING = 'a string'
+    STRINGS = 'a list of strings'
+    DOUBLES = 'a list of numbers'
+
+
+@dataclass(frozen=True)
+class Entry:
+    """One parameter: name, default, meaning, and what a value must satisfy."""
+
+    name: str
+    default: Any
+    description: str
+    kind: Kind = Kind.DOUBLE
+    check: Optional[Check] = None
+    read_only: bool = False
+    required: bool = False
+
+
+def check_rate_or_off(name: str, value: float) -> None:
+    if value:
+        check_rate(name, value)
+
+
+def check_joint_names(name: str, value: Tuple[str, ...]) -> None:
+    if not value or not all(value) or len(set(value)) != len(value):
+        raise ValueError(f'{name} is {list(value)!r}, expected one or more different joint names')
+
+
+def check_seed(name: str, value: int) -> None:
+    if value < 0:
+        raise ValueError(f'{name} is {value!r}, expected an integer, 0 or above')
+
+
+def check_optional_seed(name: str, value: int) -> None:
+    if value < -1:
+        raise ValueError(f'{name} is {value!r}, expected an integer, -1 or above')
+
+
+def check_concentration(name: str, value: float) -> None:
+    if not math.isnan(value):
+        check_non_negative(name, value)
+
+
+def check_positive_or_nan(name: str, value: float) -> None:
+    if not math.isnan(value):
+        check_positive(name, value)
+
+
+def check_offset(name: str, value: float) -> None:
+    if not (math.isnan(value) or abs(value) <= MOST_OFFSET):
+        raise ValueError(
+            f'{name} is {value!r}, expected seconds within +-{MOST_OFFSET:g}, or NaN')
+
+
+def check_count(name: str, value: int) -> None:
+    if not 1 <= value <= MOST:
+        raise ValueError(f'{name} is {value!r}, expected an integer from 1 to {MOST}')
+
+
+def check_window(name: str, value: int) -> None:
+    if not 1 <= value <= MOST_IN_WINDOW:
+        raise ValueError(
+            f'{name} is {value!r}, expected an integer from 1 to {MOST_IN_WINDOW}')
+
+
+def check_stages(name: str, value: int) -> None:
+    if not 1 <= value <= MOST_STAGES:
+        raise ValueError(f'{name} is {value!r}, expected an integer from 1 to {MOST_STAGES}')
+
+
+def check_horizon(name: str, value: float) -> None:
+    check_positive(name, value)
+    check_duration(name, value)
+
+
+def check_picture(name: str, value: str) -> None:
+    if not value.endswith(('.png', '.svg')):
+        raise ValueError(f'{name} is {value!r}, expected the name of a .png or .svg file')
+
+
+def check_optional_picture(name: str, value: str) -> None:
+    if value:
+        check_picture(name, value)
+
+
+def check_one_of(*known: str) -> Check:
+    def check(name: str, value: str) -> None:
+        if value not in known:
+            raise ValueError(f"{name} is {value!r}, expected one of {', '.join(map(repr, known))}")
+    return check
+
+
+def check_description(name: str, value: str) -> None:
+    if value and not value.endswith(('.urdf', '.yaml')):
+        raise ValueError(f'{name} is {value!r}, expected the name of a .urdf or .yaml file')
+
+
+def check_width(name: str, value: float) -> None:
+    if not math.isnan(value):
+        check_positive(name, value)
+
+
+def check_wheel_base(name: str, value: float) -> None:
+    if not math.isnan(value):
+        check_non_negative(name, value)
+
+
+def check_resolution(name: str, value: float) -> None:
+    if value and not 1e-3 <= value <= 1e9:
+        raise ValueError(f'{name} is {value!r}, expected 0, or from 1e-3 to 1e9 ticks a turn')
+
+
+def check_range(name: str, value: float) -> None:
+    if value and not 1e-6 <= value <= 1e12:
+        raise ValueError(f'{name} is {value!r}, expected 0, or a range from 1e-6 to 1e12 rad')
+
+
+def check_pose(name: str, value: Tuple[float, ...]) -> None:
+    if len(value) != 3 or not all(map(math.isfinite, value)):
+        raise ValueError(f'{name} is {list(value)!r}, expected three finite numbers [x, y, yaw]')
+
+
+def check_step(name: str, value: float) -> None:
+    if value and not 1e-6 <= value <= 1.0:
+        raise ValueError(f'{name} is {value!r}, expected 0, or a step from 1e-6 to 1 s')
+
+
+def check_diagonal(name: str, value: Tuple[float, ...]) -> None:
+    if len(value) != 6 or not all(math.isfinite(item) and item >= 0.0 for item in value):
+        raise ValueError(
+            f'{name} is {list(value)!r}, expected six finite numbers, 0 or above, for '
+            '(x, y, z, roll, pitch, yaw)')
+
+
+def check_named(name: str, value: str) -> None:
+    if not value:
+        raise ValueError(f'{name} is empty, expected a name')
+
+
+def check_frame(name: str, value: str) -> None:
+    check_named(name, value)
+    _check_part_of_frame(name, value)
+    if '~' in value:
+        raise ValueError(f"{name} is {value!r}, expected a name without '~'")
+    if value.startswith('/'):
+        name_of_tf2 = value.lstrip('/')
+        raise ValueError(
+            f"{name} is {value!r}, expected {repr(name_of_tf2) if name_of_tf2 else 'a name'}: tf2 "
+            "knows no frame that begins with '/'")
+
+
+def check_prefix(name: str, value: str) -> None:
+    _check_part_of_frame(name, value)
+    if '~' in value[1:] or value.startswith('~') and value[1:2] not in ('', '/'):
+        raise ValueError(
+            f"{name} is {value!r}, expected '~' for the namespace, '~/more', or a name without "
+            "'~'")
+
+
+def _check_part_of_frame(name: str, value: str) -> None:
+    if any(map(str.isspace, value)):
+        raise ValueError(f'{name} is {value!r}, expected a name without blanks')
+
+
+def check_slip_model(name: str, value: str) -> None:
+    if value not in SLIP_MODELS:
+        raise ValueError(f"{name} is {value!r}, expected {' or '.join(map(repr, SLIP_MODELS))}")
+
+
+def check_distribution(name: str, value: str) -> None:
+    if value not in DISTRIBUTIONS:
+        raise ValueError(f"{name} is {value!r}, expected one of {', '.join(DISTRIBUTIONS)}")
+
+
+def check_bias(name: str, value: float) -> None:
+    check_above(name, value, -1.0)
+
+
+def check_topic(name: str, value: str) -> None:
+    try:
+        validate_topic_name(value)
+    except InvalidTopicNameException as error:
+        reason = str(error).partition(':')[2].strip().partition(':\n')[0]
+        raise ValueError(f'{name} is {value!r}, expected a topic name ({reason})') from None
+
+
+def check_optional_topic(name: str, value: str) -> None:
+    if value:
+        check_topic(name, value)
+
+
+def string(name: str, default: str, description: str, check: Optional[Check] = None) -> Entry:
+    return Entry(name, default, description, Kind.STRING, check, read_only=True)
+
+
+def topic(name: str, default: str, description: str, *, optional: bool = False) -> Entry:
+    return string(
+        name, default, description, check_optional_topic if optional else check_topic)

@@ -1,0 +1,223 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""
+Parameters of a node: one table, judged as a whole, applied as a whole.
+
+A table lists what a node knows.  The values become one frozen configuration by the node's
+``build`` function, which raises ``ValueError`` for values that do not go together.  A change at
+run time is judged first, without side effects, and applied only after it was accepted.
+"""
+
+from dataclasses import dataclass
+import sys
+from typing import (
+    Any, Callable, Collection, Dict, Generic, Iterable, Mapping, Optional, Tuple, TypeVar)
+
+from diffdrive_kinematics.ros.parameters import tables
+from diffdrive_kinematics.ros.parameters.configuration_error import ConfigurationError
+from diffdrive_kinematics.ros.parameters.entries import Entry, Kind
+from diffdrive_kinematics.ros.parameters.overrides import given_overrides
+from diffdrive_kinematics.ros.parameters.qos import PREFIX as QOS_PREFIX
+from diffdrive_kinematics.ros.parameters.sections import doubts, params_files, sections_of
+from rcl_interfaces.msg import ParameterDescriptor, SetParametersResult
+from rclpy.node import Node
+from rclpy.parameter import Parameter
+
+__all__ = ['ConfigurationError', 'ParameterSet', 'coerce']
+
+Config = TypeVar('Config')
+BUILT_IN = ('use_sim_time', 'start_type_description_service')
+
+
+def coerce(entry: Entry, value: Any) -> Any:
+    """
+    Return the value of a parameter in the type of its table entry.
+
+    Integers are accepted for doubles, since YAML's ``1`` is an integer.
+
+    Raises
+    ------
+    ValueError
+        If the type does not fit; the message names parameter, value and expectation.
+
+    """
+    if value is None and entry.kind in (Kind.STRINGS, Kind.DOUBLES):
+        value = ()  # what an empty list in YAML becomes
+    accepted = _as_kind(entry.kind, value)
+    if accepted is None:
+        raise ValueError(f'{entry.name} is {value!r}, expected {entry.kind.value}')
+    if entry.check is not None:
+        entry.check(entry.name, accepted)
+    return accepted
+
+
+def _as_kind(kind: Kind, value: Any) -> Any:
+    """Return the value as the kind, or None where it is of another."""
+    if kind is Kind.BOOL:
+        return value if isinstance(value, bool) else None
+    if kind is Kind.INTEGER:
+        return value if isinstance(value, int) and not isinstance(value, bool) else None
+    if kind is Kind.DOUBLE:
+        return float(value) if _is_number(value) else None
+    if kind is Kind.STRING:
+        return value if isinstance(value, str) else None
+    if isinstance(value, (str, bytes)) or not isinstance(value, Iterable):
+        return None
+    items = tuple(value)
+    if kind is Kind.DOUBLES:
+        return tuple(map(float, items)) if all(map(_is_number, items)) else None
+    return items if all(isinstance(item, str) for item in items) else None
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, (int, float)) and not isinstance(value, bool)
+
+
+@dataclass(frozen=True)
+class _Judged(Generic[Config]):
+    values: Mapping[str, Any]
+    config: Config
+
+
+class ParameterSet(Generic[Config]):
+    """
+    The declared parameters of a node, and the configuration that they amount to.
+
+    Parameters
+    ----------
+    node : rclpy.node.Node
+        The node to declare them on.
+    table : sequence of Entry
+        What the node knows.
+    build : callable
+        Values by name -> frozen configuration; raises ``ValueError``.
+    neighbours : collection of str, optional
+        Names of all nodes of the process, where it has several.
+
+    Raises
+    ------
+    ConfigurationError
+        If the values at start do not make a configuration.
+
+    """
+
+    def __init__(
+            self, node: Node, table: Tuple[Entry, ...],
+            build: Callable[[Mapping[str, Any]], Config],
+            neighbours: Collection[str] = ()) -> None:
+        self._node = node
+        self._table = {entry.name: entry for entry in table}
+        self._build = build
+        self._on_change: Optional[Callable[[Config], None]] = None
+        self._report_doubts(neighbours)
+        self._judged = self._judge_start()
+        node.add_on_set_parameters_callback(self._judge_change)
+        node.add_post_set_parameters_callback(self._apply_change)
+        self._report_unknown()
+
+    @property
+    def config(self) -> Config:
+        """Return the configuration in force."""
+        return self._judged.config
+
+    @property
+    def values(self) -> Mapping[str, Any]:
+        """Return the values in force, by name."""
+        return self._judged.values
+
+    def on_change(self, apply: Callable[[Config], None]) -> None:
+        """Call ``apply`` with the new configuration after each accepted change."""
+        self._on_change = apply
+
+    def _judge_start(self) -> '_Judged[Config]':
+        values: Dict[str, Any] = {}
+        problems = []
+        for entry in self._table.values():
+            raw = self._node.declare_parameter(
+                entry.name, entry.default, ParameterDescriptor(
+                    description=entry.description, dynamic_typing=True,
+                    read_only=entry.read_only)).value
+            if entry.required and raw != raw:  # the default of what must be set is NaN
+                problems.append(f'{entry.name} is not set, expected {entry.description}')
+                continue
+            try:
+                values[entry.name] = coerce(entry, raw)
+            except ValueError as error:
+                problems.append(str(error))
+        if not problems:
+            try:
+                return _Judged(values, self._build(values))
+            except ValueError as error:
+                problems.append(str(error))
+        raise ConfigurationError(
+            f"{self._node.get_fully_qualified_name()} refuses to start: {'; '.join(problems)}. "
+            'Set parameters in a params file (--ros-args --params-file FILE) or one by one '
+            '(--ros-args -p NAME:=VALUE)')
+
+    def _judge(self, changes: Iterable[Parameter]) -> '_Judged[Config]':
+        values = dict(self._judged.values)
+        for parameter in changes:
+            if parameter.name in self._table:
+                values[parameter.name] = coerce(self._table[parameter.name], parameter.value)
+        return _Judged(values, self._build(values))
+
+    def _judge_change(self, changes: Iterable[Parameter]) -> SetParametersResult:
+        if not self._concerns(changes):
+            return SetParametersResult(successful=True)
+        try:
+            self._judge(changes)
+        except ValueError as error:
+            self._node.get_logger().error(f'refused: {error}; the old value stays')
+            return SetParametersResult(successful=False, reason=str(error))
+        return SetParametersResult(successful=True)
+
+    def _concerns(self, changes: Iterable[Parameter]) -> bool:
+        """Return whether any parameter of the table is among the changes."""
+        return any(parameter.name in self._table for parameter in changes)
+
+    def _apply_change(self, changes: Iterable[Parameter]) -> None:
+        if not self._concerns(changes):
+            return
+        judged = self._judge(changes)
+        if judged.values == self._judged.values:
+            return
+        self._judged = judged
+        if self._on_change is not None:
+            self._on_change(judged.config)
+
+    def _report_doubts(self, neighbours: Collection[str]) -> None:
+        """Report sections of params files that were probably meant for this node."""
+        for doubt in doubts(
+                sections_of(params_files(sys.argv)), self._node.get_fully_qualified_name(),
+                tuple(self._table.values()), given_overrides(self._node), neighbours):
+            self._node.get_logger().warning(doubt)
+
+    def _report_unknown(self) -> None:
+        """Report overrides that this node ignores: typos, and what only a peer knows."""
+        logger = self._node.get_logger()
+        for name in given_overrides(self._node):
+            if name in self._table or name in BUILT_IN or name in tables.KNOWN_NAMES:
+                continue
+            if name.startswith(QOS_PREFIX):
+                continue
+            if tables.only_in_ros2_controllers(name):
+                logger.info(
+                    f"parameter '{name}' of ros2_controllers means nothing here, ignored")
+                continue
+            import difflib  # for the typo only: it takes milliseconds of every start
+            near = difflib.get_close_matches(name, sorted(tables.KNOWN_NAMES), n=1)
+            hint = f", did you mean '{near[0]}'?" if near else ''
+            logger.warning(
+                f"parameter '{name}' is ignored: no node of this package knows it{hint}")

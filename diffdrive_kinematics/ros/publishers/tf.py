@@ -1,0 +1,96 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Transforms for tf2, optional at run time, and the names of their frames."""
+
+from typing import Any, Mapping, Tuple, TYPE_CHECKING
+
+from diffdrive_kinematics.core.kinematics import Pose
+from diffdrive_kinematics.ros.messages.messages import quaternion_of
+from diffdrive_kinematics.ros.messages.wire import Layout, Template
+
+if TYPE_CHECKING:
+    from diffdrive_kinematics.ros.runtime.node import DiffDriveNode
+
+__all__ = ['TransformPublisher', 'frame_prefix']
+
+
+def frame_prefix(values: Mapping[str, Any], namespace: str) -> str:
+    """
+    Return what stands before the frames of a node, as in ros2_controllers; '' where not enabled.
+
+    Without a prefix of its own it is the namespace, which is ``~`` in one; it ends with a slash
+    and begins with none.
+    """
+    if not values['tf_frame_prefix_enable']:
+        return ''
+    prefix = values['tf_frame_prefix'] or '~'
+    if prefix.startswith('~'):
+        prefix = namespace + prefix[1:]
+    prefix = prefix.strip('/')
+    return f'{prefix}/' if prefix else ''
+
+
+class TransformMessage:
+    """A serialised TFMessage of one transform."""
+
+    def __init__(self, frame_id: str, child_frame_id: str) -> None:
+        self.frames = frame_id, child_frame_id
+        layout = Layout()
+        layout.numbers('I', [1])
+        self._stamp_at = layout.header(frame_id)
+        layout.text(child_frame_id)
+        at = layout.numbers('d', [0.0] * 7)
+        self._template = Template(layout)
+        self._numbers = self._template.doubles(at, 7)
+
+    def filled(self, stamp_ns: int, pose: Pose) -> bytes:
+        """Return the message with a stamp and the pose of the child frame."""
+        self._template.stamp(stamp_ns, self._stamp_at)
+        self._numbers[0], self._numbers[1] = pose.x, pose.y
+        self._numbers[5], self._numbers[6] = quaternion_of(pose.theta)
+        return self._template.message()
+
+
+class TransformPublisher:
+    """
+    Publishes transforms on ``/tf``.
+
+    Where tf2_msgs is missing one warning says how to get it or do without (set ``switch``, the
+    parameter that asked for tf, to false), and nothing is published.
+    """
+
+    def __init__(self, node: 'DiffDriveNode', switch: str) -> None:
+        self._publisher = None
+        try:
+            from tf2_msgs.msg import TFMessage
+        except ImportError:
+            node.get_logger().warning(
+                'tf is off: the package tf2_msgs is missing (apt install ros-jazzy-tf2-msgs); '
+                f'set {switch} to false to do without')
+            return
+        self._message = TransformMessage('', '')
+        self._publisher = node.publisher(TFMessage, '/tf')
+
+    def __bool__(self) -> bool:
+        """Return whether tf2_msgs is there."""
+        return self._publisher is not None
+
+    def publish(self, stamp_ns: int, frames: Tuple[str, str], pose: Pose) -> None:
+        """Publish the pose of a frame in another one; frames are (parent, child)."""
+        if self._publisher is None:
+            return
+        if frames != self._message.frames:
+            self._message = TransformMessage(*frames)
+        self._publisher.publish(self._message.filled(stamp_ns, pose))

@@ -1,0 +1,77 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""What keeps a simulation to itself: the machine it is heard on, and who else publishes."""
+
+from collections import Counter
+import time
+from typing import List, Mapping, MutableMapping, Sequence
+
+from diffdrive_kinematics.ros.runtime.output import complain
+from rclpy.node import Node
+
+__all__ = ['Disturbed', 'check_alone', 'keep_to_this_machine']
+
+POLL_S = 0.01
+UNKNOWN = 'a node without a name'
+RANGE = 'ROS_AUTOMATIC_DISCOVERY_RANGE'
+REACH = RANGE, 'ROS_LOCALHOST_ONLY', 'ROS_STATIC_PEERS', 'ROS_DISCOVERY_SERVER'
+
+
+class Disturbed(Exception):
+    """Another process publishes what the nodes of this one say to each other."""
+
+
+def keep_to_this_machine(environment: MutableMapping[str, str]) -> None:
+    """Let nobody else hear this process, where nothing is set about it; say so in one line."""
+    if not any(environment.get(name) for name in REACH):
+        environment[RANGE] = 'LOCALHOST'
+        complain(f'diffdrive_kinematics: the demo is heard on this machine only; {RANGE}=SUBNET '
+                 'lets others hear it')
+
+
+def check_alone(node: Node, own: Mapping[str, Sequence[str]], *, patience_s: float = 0.0) -> None:
+    """
+    Raise ``Disturbed`` where a topic has another publisher than those of this process.
+
+    Parameters
+    ----------
+    node : Node
+        Any node of this process.
+    own : mapping
+        Of each topic, the full names of the nodes of its own publishers.
+    patience_s : float
+        How long [s] to wait for the name of a newcomer; without patience the next look has it.
+
+    """
+    for topic, ours in own.items():
+        deadline = time.monotonic() + patience_s
+        while UNKNOWN in (others := _others(node, topic, ours)) and time.monotonic() < deadline:
+            time.sleep(POLL_S)
+        if others and (patience_s or UNKNOWN not in others):
+            raise Disturbed(
+                f"'{topic}' is published by {' and '.join(others)} of another process too. This "
+                'one steps its time, and what it would say is wrong where others join in: end '
+                'the other one, or give one of them a ROS_DOMAIN_ID, or topic names, of its own')
+
+
+def _others(node: Node, topic: str, ours: Sequence[str]) -> List[str]:
+    """Return the full names of the nodes elsewhere that publish a topic."""
+    if node.count_publishers(topic) <= len(ours):
+        return []
+    found = Counter(
+        UNKNOWN if 'UNKNOWN' in info.node_name
+        else f"{info.node_namespace.rstrip('/')}/{info.node_name}"
+        for info in node.get_publishers_info_by_topic(topic))
+    return sorted(found - Counter(ours))

@@ -1,0 +1,173 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""
+The executor of the package, and how an executable runs and ends.
+
+``EventsExecutor`` costs half of ``SingleThreadedExecutor`` per callback, and exists since rclpy
+7.1.4.  It must be driven with a finite timeout: without one it can busy-wait and starve its
+callbacks.  Where it is missing, SingleThreadedExecutor takes its place.
+"""
+
+import gc
+import os
+import signal
+import sys
+import time
+from typing import Callable, Iterable, List, Optional
+
+from diffdrive_kinematics.ros.parameters.parameters import ConfigurationError
+from diffdrive_kinematics.ros.runtime.clocks import SteadyTimers
+from diffdrive_kinematics.ros.runtime.logs import check_log_directory, with_remedy
+from diffdrive_kinematics.ros.runtime.node import DiffDriveNode
+from diffdrive_kinematics.ros.runtime.output import complain, open_stderr
+from diffdrive_kinematics.ros.runtime.waking import Awake
+import rclpy
+from rclpy.exceptions import NameValidationException
+from rclpy.executors import Executor, ExternalShutdownException, SingleThreadedExecutor
+from rclpy.impl.implementation_singleton import rclpy_implementation
+from rclpy.signals import SignalHandlerOptions
+
+__all__ = ['Stop', 'finish', 'main_of', 'make_executor', 'run', 'spin', 'spin_node']
+
+SPIN_TIMEOUT_S = 0.1
+ASK_PERIOD_S = 0.1
+CONFIGURATION_ERROR = 2
+SIGNALS = (signal.SIGINT, signal.SIGTERM)
+
+
+class Stop:
+    """Turns true on SIGINT and SIGTERM, so that nodes can still publish their last words."""
+
+    def __init__(self) -> None:
+        self._asked = False
+        for number in SIGNALS:
+            signal.signal(number, self._ask)
+
+    def __bool__(self) -> bool:
+        """Return whether the process was asked to stop."""
+        return self._asked
+
+    def _ask(self, *_: object) -> None:
+        self._asked = True
+
+
+def make_executor(nodes: Iterable[DiffDriveNode], kind: str = 'auto') -> Executor:
+    """
+    Return the executor of the package with nodes added to it.
+
+    Raises
+    ------
+    ConfigurationError
+        If the kind is 'events' and this rclpy has no EventsExecutor.
+
+    """
+    executor = None
+    if kind != 'single_threaded':
+        try:
+            from rclpy.experimental import EventsExecutor
+            executor = EventsExecutor()
+        except ImportError as error:
+            if kind == 'events':
+                raise ConfigurationError(
+                    "executor is 'events', and this rclpy has none (it came with rclpy 7.1.4): "
+                    "update ROS 2 Jazzy, or leave it at 'auto'") from error
+    executor = executor or SingleThreadedExecutor()
+    for node in nodes:
+        executor.add_node(node)
+    return executor
+
+
+def spin(
+        executor: Executor, timers: SteadyTimers, finished: Callable[[], bool], stop: Stop, *,
+        urgent: bool = True) -> None:
+    """
+    Spin, and fire timers, until finished or asked to stop.
+
+    Where nothing is ``urgent``, the time until a timer is due is slept away, which costs less
+    than to wait in the executor; it is asked ten times a second, and until it has nothing more
+    to do.
+    """
+    gc.freeze()  # what start-up made stays: nothing is gained by looking at it again and again
+    spin_once, seconds_left, fire_due = executor.spin_once, timers.seconds_left, timers.fire_due
+    monotonic, ask_at = time.monotonic, 0.0
+    with Awake(executor):
+        while not stop and not finished():
+            now, left = monotonic(), seconds_left(SPIN_TIMEOUT_S)
+            if urgent or now >= ask_at:
+                spin_once(timeout_sec=left)
+                if monotonic() >= now + left:
+                    ask_at = now + ASK_PERIOD_S
+            else:
+                time.sleep(min(left, ask_at - now))
+            fire_due()
+
+
+def run(work: Callable[[Stop], int], args: Optional[List[str]] = None) -> int:
+    """Initialise rclpy, do ``work``, and return its exit status, whatever ends it."""
+    open_stderr()
+    stop = Stop()
+    try:
+        check_log_directory(os.environ, sys.argv if args is None else args)
+        rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
+        return work(stop)
+    except rclpy_implementation.UnknownROSArgsError as error:
+        complain(f'diffdrive_kinematics: the arguments {error} follow --ros-args and mean nothing '
+                 'there, expected -p NAME:=VALUE (in quotes where it has blanks) or an option')
+        return CONFIGURATION_ERROR
+    except (rclpy_implementation.RCLError, NameValidationException) as error:
+        complain(f'diffdrive_kinematics: {with_remedy(str(error))}')
+        return CONFIGURATION_ERROR
+    except ConfigurationError as error:
+        rclpy.logging.get_logger('diffdrive_kinematics').fatal(str(error))
+        return CONFIGURATION_ERROR
+    except (KeyboardInterrupt, ExternalShutdownException):
+        return 0
+    finally:
+        for number in SIGNALS:  # a second Ctrl-C does not cut short what is already ending
+            signal.signal(number, signal.SIG_IGN)
+        rclpy.try_shutdown()
+
+
+def finish(nodes: Iterable[DiffDriveNode], executor: Executor) -> None:
+    """Let every node say its last word, then end the executor."""
+    for node in nodes:
+        node.close()
+    executor.shutdown()
+
+
+def spin_node(node: DiffDriveNode, timers: SteadyTimers, stop: Stop) -> None:
+    """Spin one node until it is done or asked to stop, and let it say its last word."""
+    executor = make_executor([node], node.parameters.values['executor'])
+    try:
+        spin(executor, timers, lambda: node.done, stop, urgent=node.urgent)
+    finally:
+        finish([node], executor)
+
+
+def main_of(make: Callable[..., DiffDriveNode]) -> Callable[[], None]:
+    """Return the ``main`` of an executable that runs one node."""
+    def work(stop: Stop) -> int:
+        timers = SteadyTimers()
+        node = make(timers=timers)
+        try:
+            spin_node(node, timers, stop)
+        finally:
+            node.destroy_node()
+        return 0
+
+    def main() -> None:
+        sys.exit(run(work))
+
+    return main

@@ -1,0 +1,160 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""What ``calibrate`` finds, from runs around a square or from recorded drives, as a table."""
+
+from dataclasses import dataclass
+import math
+from typing import Any, List, Mapping, NamedTuple, Optional, Sequence, Tuple
+
+from diffdrive_kinematics.core.calibration import (
+    Clock, COMMANDED, corrected, fit_segment_slip, fit_trajectory, ReturnError, Segment,
+    slip_from_squares, TrajectoryFit, umbmark, Windows)
+from diffdrive_kinematics.core.kinematics import WheelGeometry
+
+__all__ = [
+    'CLOCKS', 'Calibration', 'Gain', 'MULTIPLIERS', 'Row', 'of_segments', 'of_squares', 'table']
+
+CLOCKS = {'none': Clock.NONE, 'delay': Clock.DELAY, 'offsets': Clock.OFFSETS,
+          'drifts': Clock.DRIFTS}
+MULTIPLIERS = (
+    'left_wheel_radius_multiplier', 'right_wheel_radius_multiplier',
+    'wheel_separation_multiplier')
+
+
+class Row(NamedTuple):
+    """A line of the table: a value and its standard error (None: unknown)."""
+
+    name: str
+    value: float
+    error: Optional[float]
+
+
+class Gain(NamedTuple):
+    """An error before the correction and after it."""
+
+    name: str
+    before: float
+    after: float
+
+
+@dataclass(frozen=True)
+class Calibration:
+    """
+    What was found.
+
+    ``geometry`` has the corrected multipliers; ``slips`` are k (left, right) [m]. ``source`` is
+    the result it comes from, and what that was given, for the picture.
+    """
+
+    method: str
+    geometry: WheelGeometry
+    slips: Tuple[float, float]
+    rows: Tuple[Row, ...]
+    gains: Tuple[Gain, ...]
+    remarks: Tuple[str, ...]
+    source: Any
+
+
+def of_squares(
+        values: Mapping[str, Any], geometry: WheelGeometry, clockwise: Sequence[ReturnError],
+        counterclockwise: Sequence[ReturnError]) -> Calibration:
+    """Return the calibration by UMBmark; ``ValueError`` where the runs do not allow one."""
+    square = values['square_side'], clockwise, counterclockwise
+    radius = values['square_corner_radius']
+    result = umbmark(geometry, *square, corner_radius=radius)
+    after = corrected(geometry, result)
+    slip = slip_from_squares(after, *square, corner_radius=radius)
+    rows = (
+        Row('E_d (right over left wheel)', *result.diameter_ratio),
+        Row('E_b (true over nominal separation)', *result.separation_ratio),
+        Row('alpha [rad]', *result.alpha), Row('beta [rad]', *result.beta),
+        *_multipliers(after, [None] * 3), Row('slip variance k [m]', *slip))
+    remark = (f'{len(clockwise)} runs clockwise, {len(counterclockwise)} counterclockwise, side '
+              f"{values['square_side']:g} m")
+    return Calibration(
+        'UMBmark', after, (slip.value, slip.value), rows,
+        (Gain('systematic return error E_max,syst [mm]', 1e3 * result.error_before,
+              1e3 * result.error_after),), (remark,), (result, clockwise, counterclockwise))
+
+
+def of_segments(
+        values: Mapping[str, Any], geometry: WheelGeometry, segments: Sequence[Segment], *,
+        clock: str, commands: bool = False) -> Calibration:
+    """Return the calibration by trajectory fit; ``ValueError`` where the drives allow none."""
+    keep = values['mean_radius'] == 'keep' or commands and not values['mean_radius']
+    fit = fit_trajectory(
+        geometry, segments, clock=CLOCKS[clock], mean_radius=not keep,
+        windows=COMMANDED if commands else Windows())
+    after = fit.corrected(geometry)
+    slip = fit_segment_slip(geometry, segments, fit, equal=values['equal_slip'])
+    errors = [getattr(geometry, name) * getattr(fit, name).error for name in MULTIPLIERS]
+    rows = [
+        *_multipliers(after, errors), Row('reference x on the robot [m]', *fit.frame_x),
+        Row('reference y on the robot [m]', *fit.frame_y),
+        Row('reference yaw on the robot [rad]', *fit.frame_yaw)]
+    if clock == 'delay':
+        rows.append(Row('delay [s]', *fit.offsets[0]))
+    elif clock != 'none':
+        rows += [Row(f'clock offset of drive {number} [s]', *offset)
+                 for number, offset in enumerate(fit.offsets, start=1)]
+    rows += [Row('slip variance k left [m]', *slip.k_left),
+             Row('slip variance k right [m]', *slip.k_right)]
+    gains = (
+        Gain('position error of windows, RMS [mm]', 1e3 * fit.before.position,
+             1e3 * fit.after.position),
+        Gain('heading error of windows, RMS [mrad]', 1e3 * fit.before.heading,
+             1e3 * fit.after.heading))
+    return Calibration(
+        'trajectory fit', after, (slip.k_left.value, slip.k_right.value), tuple(rows), gains,
+        tuple(_remarks(fit, segments)), (fit, geometry, segments))
+
+
+def _remarks(fit: TrajectoryFit, segments: Sequence[Segment]) -> List[str]:
+    seconds = sum(float(segment.time[-1] - segment.time[0]) for segment in segments)
+    remarks = [
+        f'{len(segments)} drives, {seconds:.1f} s, {fit.windows} windows, {fit.in_gaps} left out '
+        f'for gaps of the reference, {fit.outliers} outliers']
+    duplicates = sum(segment.duplicates for segment in segments)
+    if duplicates:
+        remarks.append(f'{duplicates} rows were replaced by a later row with the same stamp')
+    return remarks
+
+
+def _multipliers(after: WheelGeometry, errors: Sequence[Optional[float]]) -> List[Row]:
+    return [Row(name, getattr(after, name), error) for name, error in zip(MULTIPLIERS, errors)]
+
+
+def table(calibration: Calibration) -> str:
+    """Return the table for people: values with standard errors, and errors before and after."""
+    width = max(len(line.name) for line in (*calibration.rows, *calibration.gains)) + 2
+    lines = [f'{calibration.method}: {calibration.remarks[0]}', *calibration.remarks[1:],
+             f"{'':{width}}{'value':>14}{'std. error':>14}"]
+    lines += [
+        f'{row.name:{width}}{_shown(row.value, row.error):>14}'
+        f"{'-' if row.error is None else f'{row.error:.2g}':>14}" for row in calibration.rows]
+    lines.append(f"{'':{width}}{'before':>14}{'after':>14}")
+    lines += [f'{gain.name:{width}}{gain.before:>14.3f}{gain.after:>14.3f}'
+              for gain in calibration.gains]
+    return '\n'.join(lines)
+
+
+def _shown(value: float, error: Optional[float]) -> str:
+    """Return the value with two digits of its error; without one, with six decimals."""
+    if 0.0 < abs(value) < 1e-3:
+        return f'{value:.3g}'
+    if not error or not math.isfinite(error):
+        return f'{value:.6f}'
+    digits = 1 - math.floor(math.log10(error))
+    return f'{value:.{digits}f}' if 0 <= digits <= 7 else f'{value:.3g}'

@@ -1,0 +1,117 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The picture of a calibration: return errors as UMBmark draws them, or errors over time."""
+
+import io
+from typing import Any, List, Sequence, Tuple
+
+from diffdrive_kinematics.core.calibration import (
+    linearised, ReturnError, Segment, TrajectoryFit, Umbmark, windows_between)
+from diffdrive_kinematics.core.kinematics import WheelGeometry
+from diffdrive_kinematics.tools.calibration import Calibration
+import numpy as np
+
+__all__ = ['picture_of']
+
+BEFORE, AFTER = '#cc3311', '#4477aa'
+WINDOW_S, EVERY_S, TOLERANCE_S = 10.0, 1.0, 0.1
+
+
+def picture_of(calibration: Calibration, suffix: str) -> bytes:
+    """
+    Return the picture as the bytes of a ``png`` or ``svg`` file.
+
+    Raises
+    ------
+    ImportError
+        If matplotlib is missing.
+
+    """
+    from matplotlib.figure import Figure
+    figure = Figure(figsize=(9.0, 6.0), layout='constrained')
+    if isinstance(calibration.source[0], Umbmark):
+        _draw_returns(figure, *calibration.source)
+    else:
+        _draw_windows(figure, *calibration.source)
+    file = io.BytesIO()
+    figure.savefig(file, format=suffix, dpi=150)
+    return file.getvalue()
+
+
+def _draw_returns(
+        figure: Any, result: Umbmark, clockwise: Sequence[ReturnError],
+        counterclockwise: Sequence[ReturnError]) -> None:
+    """Draw the return errors of both directions, and where the correction puts them."""
+    axes = figure.add_subplot()
+    for errors, centre, left, marker, way in (
+            (clockwise, result.clockwise, result.clockwise_after, 'o', 'clockwise'),
+            (counterclockwise, result.counterclockwise, result.counterclockwise_after, 's',
+             'counterclockwise')):
+        points = 1e3 * np.array(errors)
+        moved = points + 1e3 * (np.array(left) - np.array(centre))
+        for where, at, colour, when in (
+                (points, centre, BEFORE, 'measured'), (moved, left, AFTER, 'corrected')):
+            axes.plot(*where.T, marker, color=colour, mfc='none', label=f'{way}, {when}')
+            axes.plot(*(1e3 * np.array(at)), 'x', color=colour, ms=10, mew=2)
+    axes.axhline(0.0, color='black', lw=0.6)
+    axes.axvline(0.0, color='black', lw=0.6)
+    axes.set_aspect('equal', adjustable='datalim')
+    axes.set_xlabel('x [mm]')
+    axes.set_ylabel('y [mm]')
+    axes.set_title(
+        f'Return errors of a square of {result.side:g} m; crosses: centres of gravity',
+        fontsize='medium')
+    axes.grid(alpha=0.25)
+    axes.legend(fontsize='small')
+
+
+def _draw_windows(
+        figure: Any, fit: TrajectoryFit, geometry: WheelGeometry,
+        segments: Sequence[Segment]) -> None:
+    """Draw the errors of windows over time, drives one after the other."""
+    position, heading = figure.subplots(2, 1, sharex=True)
+    start, ends = 0.0, []
+    for number, segment in enumerate(segments):
+        length = min(WINDOW_S, 0.5 * float(segment.time[-1] - segment.time[0]))
+        for colour, when, errors in _errors(fit, geometry, segment, number, length):
+            times, values = errors
+            label = None if number else when
+            position.plot(start + times, 1e3 * np.hypot(*values[:, :2].T), '.', ms=4,
+                          color=colour, label=label)
+            heading.plot(start + times, 1e3 * values[:, 2], '.', ms=4, color=colour, label=label)
+        start += float(segment.time[-1] - segment.time[0])
+        ends.append(start)
+    for axes, label in ((position, 'distance [mm]'), (heading, 'heading [mrad]')):
+        axes.set_ylabel(label)
+        axes.grid(alpha=0.25)
+        for end in ends[:-1]:
+            axes.axvline(end, color='black', lw=0.6, ls=':')
+    heading.axhline(0.0, color='black', lw=0.6)
+    heading.set_xlabel('time [s], drives one after the other')
+    position.legend(fontsize='small')
+    position.set_title(f'Errors of odometry over windows of {WINDOW_S:g} s', fontsize='medium')
+
+
+def _errors(
+        fit: TrajectoryFit, geometry: WheelGeometry, segment: Segment, number: int, length: float
+) -> List[Tuple[str, str, Tuple[Any, Any]]]:
+    """Return colour, label, and (times [s], errors, shape (w, 3)) before and after."""
+    windows = windows_between(segment, (length,), EVERY_S, TOLERANCE_S)
+    times = segment.reference_time[windows.end] - segment.reference_time[0]
+    after = fit.systematic(number)
+    before = after._replace(left=1.0, right=1.0, separation=1.0)
+    return [(colour, when, (times, linearised(geometry, segment, windows, systematic).error))
+            for colour, when, systematic in (
+                (BEFORE, 'wheels as given', before), (AFTER, 'corrected', after))]

@@ -1,0 +1,114 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The params file that ``calibrate`` writes."""
+
+import os
+from pathlib import Path
+import tempfile
+from typing import List, Mapping, Tuple
+
+from diffdrive_kinematics.tools.calibration import Calibration, MULTIPLIERS
+
+__all__ = ['check_writable', 'params_text', 'write']
+
+HEAD = """\
+# Written by calibrate ({method}: {remark}).
+#
+# Give it to the nodes after the params file of the robot or of the simulation:
+#   --ros-args --params-file robot.yaml --params-file {name}
+"""
+COMPENSATION = """\
+# Compensation: wheel rates and odometry with the wheels as they really are."""
+ROBOT = """\
+# The robot itself, where it is simulated: its wheels, measured from the nominal ones, and slip."""
+STAY = """\
+# The next calibration starts from this one."""
+NODES = 'diff_drive_controller', 'wheel_odometry', 'simulated_base'
+
+
+def params_text(calibration: Calibration, name: str) -> str:
+    """Return the text of the params file, for a file of this name."""
+    geometry, (left, right) = calibration.geometry, calibration.slips
+    multipliers = {name: getattr(geometry, name) for name in MULTIPLIERS}
+    slips = {'left_slip_variance': left, 'right_slip_variance': right}
+    bias = {'left_bias': geometry.left_wheel_radius_multiplier - 1.0,
+            'right_bias': geometry.right_wheel_radius_multiplier - 1.0}
+    truth = {'left_wheel_radius_multiplier': 1.0, 'right_wheel_radius_multiplier': 1.0,
+             'wheel_separation_multiplier': geometry.wheel_separation_multiplier,
+             'left_slip_variance': 0.0, 'right_slip_variance': 0.0}
+    nominal = {'wheel_radius': geometry.wheel_radius,
+               'wheel_separation': geometry.wheel_separation}
+    lines = [
+        HEAD.format(method=calibration.method, remark=calibration.remarks[0], name=name)
+        .rstrip('\n'),
+        *_section('/**', {**nominal, **slips}), '', COMPENSATION,
+        *(line for node in NODES for line in _section(f'/**/{node}', multipliers)), '', ROBOT,
+        *_section('/**/wheel_noise', bias), *_section('/**/ground_truth', truth), '', STAY,
+        *_section('/**/calibrate', multipliers)]
+    return '\n'.join(lines) + '\n'
+
+
+def _section(key: str, values: Mapping[str, float]) -> List[str]:
+    return [f'{key}:', '  ros__parameters:', *(
+        f'    {name}: {_number(value)}' for name, value in values.items())]
+
+
+def _number(value: float) -> str:
+    """Return the number as YAML has it: an exponent needs a decimal point before it."""
+    mantissa, exponent, power = repr(float(value)).partition('e')
+    point = '' if '.' in mantissa else '.0'
+    return f'{mantissa}{point if exponent else ""}{exponent}{power}'
+
+
+def check_writable(path: str, *, name: str = 'output', overwrite: bool) -> None:
+    """Raise ``ValueError`` unless a file can be written there, without writing it."""
+    file = Path(path)
+    if file.is_dir():
+        raise ValueError(f'{name} is {path!r}, which is a directory, expected a file')
+    if file.exists() and not overwrite:
+        raise ValueError(
+            f'{name} is {path!r}, which exists, expected a new file, or overwrite to be true')
+    try:
+        with tempfile.TemporaryFile(dir=file.parent):
+            pass
+    except OSError as error:
+        raise ValueError(
+            f'{name} is {path!r}, expected a file in a directory that can be written: {error}'
+        ) from error
+
+
+def write(files: Mapping[str, bytes], *, overwrite: bool) -> Tuple[str, ...]:
+    """
+    Write all files, each as a whole, and return their names.
+
+    Raises
+    ------
+    ValueError
+        If one exists that must not be overwritten, or cannot be written.
+
+    """
+    for path in files:
+        check_writable(path, overwrite=overwrite)
+    for path, content in files.items():
+        handle, name = tempfile.mkstemp(dir=Path(path).parent, prefix='.calibrate-')
+        try:
+            with os.fdopen(handle, 'wb') as file:
+                file.write(content)
+            os.chmod(name, 0o644)
+            os.replace(name, path)
+        except OSError as error:
+            os.unlink(name)
+            raise ValueError(f'{path} cannot be written: {error}') from error
+    return tuple(files)

@@ -1,0 +1,75 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""What ``diffdrive_sim`` shows: progress, and where the robot believes to be and where it is."""
+
+import math
+from typing import Dict, List, NamedTuple, Tuple
+
+from diffdrive_kinematics.core.kinematics import Pose, wrap_angle
+
+__all__ = ['Robot', 'drift', 'drift_table', 'progress_line']
+
+
+class Robot(NamedTuple):
+    """A base for the table: its name, what it stands for, and its pose."""
+
+    name: str
+    role: str
+    pose: Pose
+
+
+def drift(belief: Pose, truth: Pose) -> Tuple[float, float]:
+    """Return the distance [m] and the wrapped heading [rad] from belief to truth."""
+    return (math.hypot(truth.x - belief.x, truth.y - belief.y),
+            wrap_angle(float(truth.theta - belief.theta)))
+
+
+def progress_line(elapsed: float, length: float, robots: List[Robot]) -> str:
+    """Return a line of progress [s] with the poses."""
+    poses = '   '.join(f'{robot.role} {_short(robot.pose)}' for robot in robots)
+    return f'{elapsed:7.1f} of {length:.1f} s   {poses}'
+
+
+def drift_table(robots: List[Robot]) -> str:
+    """Return the table of poses, with the drift where a namespace has a belief and a truth."""
+    rows = [f"{'':34}{'x [m]':>10}{'y [m]':>10}{'yaw [deg]':>12}"]
+    rows += [
+        f'{_label(robot):34}{_fixed(robot.pose.x, 4):>10}{_fixed(robot.pose.y, 4):>10}'
+        f'{_fixed(math.degrees(robot.pose.theta), 2):>12}' for robot in robots]
+    by_namespace: Dict[str, List[Robot]] = {}
+    for robot in robots:
+        by_namespace.setdefault(robot.name.rpartition('/')[0], []).append(robot)
+    for namespace, pair in by_namespace.items():
+        by_role = {robot.role: robot.pose for robot in pair}
+        if len(pair) == 2 and set(by_role) == {'belief', 'truth'}:
+            distance, turn = drift(by_role['belief'], by_role['truth'])
+            rows.append(
+                f"{f'drift ({namespace})' if namespace else 'drift':34}"
+                f"{_fixed(1000.0 * distance, 1) + ' mm':>20}{_fixed(math.degrees(turn), 2):>12}")
+    return '\n'.join(rows)
+
+
+def _label(robot: Robot) -> str:
+    return f'{robot.role} ({robot.name})'
+
+
+def _short(pose: Pose) -> str:
+    x, y, yaw = _fixed(pose.x, 3), _fixed(pose.y, 3), _fixed(math.degrees(pose.theta), 1)
+    return f'({x:>7}, {y:>7}, {yaw:>6} deg)'
+
+
+def _fixed(value: float, digits: int) -> str:
+    """Return the value with fixed digits, and no minus sign before zero."""
+    return f'{round(value, digits) + 0.0:.{digits}f}'

@@ -1,0 +1,298 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+
+"""Calibration from drives: it finds what was put in, knows how well, and refuses what it must."""
+
+from collections import Counter
+import math
+
+from diffdrive_kinematics.core.calibration import (
+    Clock, fit_segment_slip, fit_trajectory, linearised, NO_FRAME, segment_from_positions,
+    Systematic, Windows, windows_between)
+from diffdrive_kinematics.core.kinematics import Pose, WheelGeometry
+from drives import curved_twists, Disturbance, drive, EXACT, GEOMETRY, Truth
+from end_points import encoder_segment, predicted_end
+import numpy as np
+import pytest
+from recorded import RADIUS, RUNS, SEPARATION
+
+NAMES = ('left_wheel_radius_multiplier', 'right_wheel_radius_multiplier',
+         'wheel_separation_multiplier', 'frame_x', 'frame_y', 'frame_yaw')
+SEEDS = 200
+ROUGH = Disturbance(outliers=0.02, gaps=((20.0, 23.0), (50.0, 52.0)))
+
+
+def straight_twists(time):
+    """Return a straight course at a changing speed."""
+    return np.stack([0.35 + 0.15 * np.sin(0.4 * time), 0.0 * time], axis=1)
+
+
+def spot_twists(time):
+    """Return turns on the spot, both ways."""
+    return np.stack([0.0 * time, 0.8 * np.sin(0.3 * time)], axis=1)
+
+
+def found(fit):
+    """Return the fitted wheels, frame and first offset."""
+    return [getattr(fit, name) for name in NAMES] + [fit.offsets[0]]
+
+
+def z_scores(disturbance, seeds):
+    """Return errors over standard errors, shape (seeds, 7)."""
+    truth = Truth()
+    return np.array([
+        [(each.value - true) / each.error for each, true in zip(
+            found(fit_trajectory(GEOMETRY, [drive(seed, truth, disturbance)])), truth)]
+        for seed in seeds])
+
+
+def kolmogorov_smirnov(scores):
+    """Return the p value of scores that should be standard normal."""
+    ordered, number = np.sort(scores), len(scores)
+    normal = np.array([0.5 * (1.0 + math.erf(z / math.sqrt(2.0))) for z in ordered])
+    step = np.arange(number + 1) / number
+    gap = max(np.max(step[1:] - normal), np.max(normal - step[:-1]))
+    root = math.sqrt(number)
+    t = (root + 0.12 + 0.11 / root) * gap  # Stephens 1970
+    return min(1.0, 2.0 * sum((-1)**(n - 1) * math.exp(-2.0 * (n * t)**2) for n in range(1, 60)))
+
+
+def test_the_test_of_normality_tells_wider_and_shifted_scores():
+    scores = np.random.default_rng(1).standard_normal(SEEDS)
+    assert kolmogorov_smirnov(scores) > 0.01
+    assert kolmogorov_smirnov(2.0 * scores) < 1e-3
+    assert kolmogorov_smirnov(scores + 0.4) < 1e-3
+
+
+@pytest.fixture(scope='module')
+def scores():
+    """Return z scores of all seeds; slip from 0.0005 to 0.002 sqrt(m), outliers and gaps."""
+    slips = (5e-4, 1e-3, 2e-3)
+    return np.concatenate([
+        z_scores(ROUGH._replace(slip=slip), range(n, SEEDS, 3)) for n, slip in enumerate(slips)])
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize('column', range(7), ids=[*NAMES, 'offset'])
+def test_errors_over_standard_errors_are_standard_normal(scores, column):
+    assert len(scores) == SEEDS
+    assert kolmogorov_smirnov(scores[:, column]) > 1e-3
+    assert 0.75 < np.std(scores[:, column]) < 1.25
+
+
+def test_exact_data_give_what_was_put_in():
+    truth = Truth(drift=4e-4)
+    fit = fit_trajectory(GEOMETRY, [drive(0, truth, EXACT)], clock=Clock.DRIFTS)
+    values = [each.value for each in (*found(fit), fit.drifts[0])]
+    np.testing.assert_allclose(values, truth, atol=2e-5)
+    corrected = fit.corrected(GEOMETRY)
+    assert corrected.left_wheel_radius_multiplier == fit.left_wheel_radius_multiplier.value
+    assert corrected.wheel_separation == GEOMETRY.wheel_separation
+    assert fit.after.position < 0.01 * fit.before.position
+
+
+def test_the_factors_multiply_those_of_the_geometry_that_the_fit_started_from():
+    half = WheelGeometry(0.2, 0.04, 1.02, 1.01, 0.99)
+    segment = drive(3)
+    whole = fit_trajectory(GEOMETRY, [segment]).corrected(GEOMETRY)
+    other = fit_trajectory(half, [segment]).corrected(half)
+    assert other.separation == pytest.approx(whole.separation, rel=1e-4)
+    assert other.left_radius == pytest.approx(whole.left_radius, rel=1e-4)
+
+
+def test_with_the_mean_radius_kept_yaw_is_that_of_the_fit_and_distance_as_given():
+    segment = drive(5)
+    free = fit_trajectory(GEOMETRY, [segment])
+    kept = fit_trajectory(GEOMETRY, [segment], mean_radius=False)
+    wheels, held = np.array(found(free)[:3]), np.array(found(kept)[:3])
+    mean = 0.5 * (wheels[0, 0] + wheels[1, 0])
+    np.testing.assert_allclose(held[:, 0], wheels[:, 0] / mean, rtol=1e-12)
+    assert 0.5 * (held[0, 0] + held[1, 0]) == pytest.approx(1.0, abs=1e-15)
+    draws = np.random.default_rng(0).multivariate_normal(
+        wheels[:, 0], free.covariance[:3, :3], 100_000)
+    scattered = np.std(draws / np.mean(draws[:, :2], axis=1, keepdims=True), axis=0)
+    np.testing.assert_allclose(held[:, 1], scattered, rtol=0.02)
+    assert free.after.position < kept.after.position <= kept.before.position * 1.01
+
+
+def test_segments_have_clocks_of_their_own_or_share_a_delay():
+    segments = [drive(n, Truth(offset=offset)) for n, offset in enumerate((0.1, -0.15))]
+    own = fit_trajectory(GEOMETRY, segments)
+    for estimate, true in zip(own.offsets, (0.1, -0.15)):
+        assert abs(estimate.value - true) < 4.0 * estimate.error < 0.02
+    same = [drive(n, Truth(offset=0.2)) for n in (2, 3)]
+    shared = fit_trajectory(GEOMETRY, same, clock=Clock.DELAY)
+    assert shared.offsets[0] == shared.offsets[1]
+    assert shared.names[-1] == 'delay'
+    assert abs(shared.offsets[0].value - 0.2) < 4.0 * shared.offsets[0].error
+
+
+def test_what_is_given_is_held():
+    truth = Truth(1.0, 1.0, 1.0)
+    fit = fit_trajectory(GEOMETRY, [drive(0, truth)], wheels=False, frame=Pose(*truth[3:6]))
+    assert fit.names == ('offset of drive 1',)
+    assert fit.frame == Pose(*truth[3:6])
+    assert fit.wheel_separation_multiplier == (1.0, 0.0)
+    assert fit.before == fit.after
+
+
+def test_outliers_do_not_move_the_fit():
+    clean, rough = (fit_trajectory(GEOMETRY, [drive(5, disturbance=each)])
+                    for each in (Disturbance(), Disturbance(outliers=0.02)))
+    assert rough.outliers > 5
+    for there, here in zip(found(rough), found(clean)):
+        assert abs(there.value - here.value) < 4.0 * here.error
+
+
+def test_windows_with_an_end_in_a_gap_are_left_out():
+    fit = fit_trajectory(GEOMETRY, [drive(0, disturbance=ROUGH._replace(outliers=0.0))])
+    whole = fit_trajectory(GEOMETRY, [drive(0)])
+    assert whole.in_gaps == 0
+    assert fit.in_gaps > 20
+    assert fit.windows + fit.in_gaps == whole.windows
+
+
+@pytest.mark.parametrize('field', Systematic._fields)
+def test_the_derivatives_are_those_of_the_errors(field):
+    segment, truth = drive(1), Systematic(1.01, 0.99, 1.02, 0.1, -0.2, 0.1, 0.06, 1e-3)
+    windows = windows_between(segment, (2.0, 7.0), 0.5, 0.1)
+    step = 1e-5
+    there, here = (linearised(GEOMETRY, segment, windows, truth._replace(
+        **{field: getattr(truth, field) + way})).error for way in (step, -step))
+    number = Systematic._fields.index(field)
+    derivative = linearised(GEOMETRY, segment, windows, truth).jacobian[:, :, number]
+    np.testing.assert_allclose(derivative, (there - here) / (2.0 * step), rtol=2e-2,
+                               atol=2e-2 * np.abs(derivative).max())
+
+
+def test_the_derivatives_by_the_reference_are_those_of_the_errors():
+    segment, truth = drive(1), Systematic(x=0.1, y=-0.2, yaw=0.1)
+    windows = windows_between(segment, (5.0,), 60.0, 0.1)
+    row = {'at_start': windows.start[0], 'at_end': windows.end[0]}
+    base = linearised(GEOMETRY, segment, windows, truth)
+    for name in row:
+        for axis in range(3):
+            moved = segment.reference.copy()
+            moved[row[name], axis] += 1e-6
+            changed = type(segment)(segment.time, segment.angles, segment.reference_time, moved)
+            error = linearised(GEOMETRY, changed, windows, truth).error
+            np.testing.assert_allclose(getattr(base, name)[0, :, axis],
+                                       (error - base.error)[0] / 1e-6, atol=1e-5)
+
+
+@pytest.mark.parametrize('twists, named, unnamed', [
+    (straight_twists, {'wheel_separation_multiplier', 'frame_x', 'frame_y'}, {'frame_yaw'}),
+    (spot_twists, {'wheel_separation_multiplier', 'frame_yaw'}, {'frame_x'})])
+@pytest.mark.parametrize('disturbance', [EXACT, Disturbance()])
+def test_what_a_course_does_not_tell_is_refused_by_name(twists, named, unnamed, disturbance):
+    truth = Truth(1.0, 1.0, 1.0)
+    with pytest.raises(ValueError, match='the data do not identify') as refused:
+        fit_trajectory(GEOMETRY, [drive(0, truth, disturbance, twists=twists)])
+    assert all(name in str(refused.value) for name in named)
+    assert not any(name in str(refused.value) for name in unnamed)
+
+
+def test_a_constant_course_does_not_tell_the_time():
+    steady = drive(0, twists=lambda time: np.tile([0.4, 0.5], (len(time), 1)))
+    with pytest.raises(ValueError, match='do not identify.*offset of drive 1'):
+        fit_trajectory(GEOMETRY, [steady])
+
+
+def test_bad_requests_are_refused():
+    with pytest.raises(ValueError, match='segments is empty'):
+        fit_trajectory(GEOMETRY, [])
+    with pytest.raises(ValueError, match='expected something to fit'):
+        fit_trajectory(GEOMETRY, [drive(0)], wheels=False, clock=Clock.NONE, frame=NO_FRAME)
+    with pytest.raises(ValueError, match='there are 0 windows'):
+        fit_trajectory(GEOMETRY, [drive(0, seconds=8.0)], windows=Windows((30.0,)))
+    with pytest.raises(ValueError, match='frame is nan'):
+        fit_trajectory(GEOMETRY, [drive(0)], frame=Pose(math.nan, 0.0, 0.0))
+    for bad in ({'lengths': ()}, {'lengths': (0.0,)}, {'every': -1.0}, {'trust': math.nan}):
+        with pytest.raises(ValueError, match='expected'):
+            Windows(**bad)
+
+
+def test_slip_after_the_calibration_is_that_which_was_put_in():
+    segments = [drive(n, disturbance=Disturbance(2e-3, 1e-3, 3e-3)) for n in range(4)]
+    fit = fit_trajectory(GEOMETRY, segments)
+    slip = fit_segment_slip(GEOMETRY, segments, fit)
+    assert abs(slip.k_left.value - 4e-6) < 4.0 * slip.k_left.error
+    assert 0.0 < slip.k_left.error < 2e-6
+    assert slip.sigma_position.value == pytest.approx(1e-3, rel=0.2)
+    assert slip.sigma_heading.value == pytest.approx(3e-3, rel=0.2)
+    with pytest.raises(ValueError, match='there are 3 segments, expected 4'):
+        fit_segment_slip(GEOMETRY, segments[1:], fit)
+
+
+def end_error(geometry, frame, segment):
+    """Return the distance [m] of odometry from the reference at the end of a run."""
+    return math.dist(*predicted_end(geometry, frame, segment))
+
+
+def test_a_real_robot_calibrated_on_some_runs_ends_nearer_to_the_truth_on_others():
+    segments, nominal = [*map(encoder_segment, RUNS)], WheelGeometry(SEPARATION, RADIUS)
+    assert Counter(np.sign(segment.reference[-1, 2]) for segment in segments) == {1.0: 3, -1.0: 3}
+    chosen = [segments[n] for n in (0, 1, 3, 4)]
+    fit = fit_trajectory(nominal, chosen)
+    before, after = (np.mean([end_error(geometry, fit.frame, segments[n]) for n in (2, 5)])
+                     for geometry in (nominal, fit.corrected(nominal)))
+    assert after < before / 3.0
+    assert fit.after.heading < fit.before.heading
+    assert fit.wheel_separation_multiplier.error < 2e-3
+
+
+def test_the_course_of_these_tests_turns_both_ways_and_changes_its_speed():
+    v, w = curved_twists(np.arange(0.0, 80.0, 0.1)).T
+    assert w.min() < -0.5 and w.max() > 0.5 and np.ptp(v) > 0.2
+
+
+def test_encoders_that_start_anew_do_not_change_the_slip():
+    whole = drive(1, Truth(), Disturbance())
+    angles, middle = whole.angles.copy(), len(whole.angles) // 2
+    angles[middle:] -= angles[middle]
+    again = segment_from_positions(
+        whole.time, angles, whole.reference_time, whole.reference)
+    before, after = (
+        fit_segment_slip(GEOMETRY, [each], fit_trajectory(GEOMETRY, [each]))
+        for each in (whole, again))
+    assert after.k_left.value == pytest.approx(before.k_left.value, rel=0.5)
+
+
+def test_a_reference_of_another_time_is_named_as_such():
+    whole = drive(1, Truth(), Disturbance())
+    other = segment_from_positions(
+        whole.time, whole.angles, whole.reference_time + 1e9, whole.reference)
+    with pytest.raises(ValueError, match='drive 2 .* expected stamps of the same time'):
+        fit_trajectory(GEOMETRY, [whole, other])
+
+
+def test_a_reference_in_degrees_is_not_taken_for_a_drive_that_tells_too_little():
+    whole = drive(1, Truth(), Disturbance())
+    degrees = segment_from_positions(
+        whole.time, whole.angles, whole.reference_time,
+        whole.reference * [1.0, 1.0, 180.0 / math.pi])
+    with pytest.raises(ValueError, match='do not agree .* m and rad'):
+        fit_trajectory(GEOMETRY, [degrees])
+
+
+@pytest.mark.filterwarnings('error')
+@pytest.mark.parametrize('spoil', [
+    lambda poses: poses * [1e160, 1e160, 1.0], lambda poses: poses * [1e-160, 1e-160, 1.0],
+    lambda poses: poses + np.where(np.arange(len(poses)) % 7, 0.0, 1e150)[:, None]])
+def test_a_reference_beyond_all_bounds_is_refused_in_words(spoil):
+    whole = drive(1, Truth(), Disturbance())
+    with pytest.raises(ValueError, match='do not agree .* expected m and rad'):
+        fit_trajectory(GEOMETRY, [segment_from_positions(
+            whole.time, whole.angles, whole.reference_time, spoil(whole.reference))])

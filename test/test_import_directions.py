@@ -1,0 +1,171 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The directions of imports between the rooms of the package, read from the syntax trees."""
+
+import ast
+from pathlib import Path
+
+import pytest
+
+PACKAGE = 'diffdrive_kinematics'
+ROOT = Path(__file__).resolve().parents[1] / PACKAGE
+FILES = sorted(ROOT.glob('*/**/*.py'))
+PURE = {
+    'abc', 'bisect', 'collections', 'dataclasses', 'enum', 'fractions', 'functools', 'itertools',
+    'math', 'numbers', 'operator', 'typing',
+    'concurrent'}  # threads that share one computation; the result does not depend on them
+CORE = {'core.kinematics': set()}
+CORE['core.commands'] = CORE['core.noise'] = {'core.kinematics'}
+CORE['core.odometry'] = CORE['core.models'] = {'core.kinematics', 'core.noise'}
+CORE['core.calibration'] = {'core.kinematics', 'core.noise', 'core.commands'}
+ROOMS = {**CORE, 'core': set(), 'ros': set()}  # what each may import, beside itself
+ROOMS['ros.messages'] = ROOMS['ros.parameters'] = {*CORE}
+ROOMS['ros.runtime'] = {*CORE, 'ros.messages', 'ros.parameters'}
+ROOMS['ros.inputs'] = ROOMS['ros.publishers'] = {*ROOMS['ros.runtime'], 'ros.runtime'}
+ROOMS['tools'] = {*CORE, 'ros.messages'}
+ROOMS['nodes'] = {*ROOMS} - {'core', 'ros'}
+COMPOSER = f'{PACKAGE}.nodes.diffdrive_sim'
+BASE_CLASSES = {f'{PACKAGE}.nodes.wheel_odometry': {f'{PACKAGE}.nodes.simulated_base'}}
+
+
+def executables():
+    """Return the names of the entry points in setup.py."""
+    scripts, = (
+        ast.literal_eval(value) for node in ast.walk(ast.parse(
+            (ROOT.parent / 'setup.py').read_text())) if isinstance(node, ast.Dict)
+        for key, value in zip(node.keys, node.values)
+        if isinstance(key, ast.Constant) and key.value == 'console_scripts')
+    return [script.partition('=')[0].strip() for script in scripts]
+
+
+NODE_MODULES = {f'{PACKAGE}.nodes.{name}' for name in executables()}
+
+
+def module_of(path):
+    parts = path.relative_to(ROOT.parent).with_suffix('').parts
+    return '.'.join(parts[:-1] if parts[-1] == '__init__' else parts)
+
+
+def room_of(module):
+    """Return the room of a module of the package: the longest name of one that it begins with."""
+    inside = module.removeprefix(f'{PACKAGE}.')
+    return max((room for room in ROOMS if f'{inside}.'.startswith(f'{room}.')), key=len)
+
+
+def imports_of(source, package):
+    """Return the modules and names imported anywhere in the source, as dotted names."""
+    found = set()
+    for node in ast.walk(ast.parse(source)):
+        if isinstance(node, ast.Import):
+            found.update(alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            base = package.split('.')[:1 - node.level or None] if node.level else []
+            module = '.'.join(base + ([node.module] if node.module else []))
+            found.update(f'{module}.{alias.name}' for alias in node.names)
+            found.add(module)
+    return found
+
+
+def imports_in(path):
+    package = '.'.join(path.relative_to(ROOT.parent).parts[:-1])
+    return imports_of(path.read_text(), package)
+
+
+def inside(path):
+    """Return what a file imports of the package."""
+    return {name for name in imports_in(path) if name.startswith(f'{PACKAGE}.')}
+
+
+def cycle_in(graph):
+    """Return the modules that are in a cycle, or lead to one."""
+    left = dict(graph)
+    while True:
+        free = {module for module, imported in left.items() if not imported & left.keys()}
+        if not free:
+            return set(left)
+        left = {module: imported for module, imported in left.items() if module not in free}
+
+
+def name_of(path):
+    return module_of(path).removeprefix(f'{PACKAGE}.')
+
+
+def test_the_reader_of_imports_sees_every_form_at_every_depth():
+    source = (
+        'import a.b\nfrom c import d\nfrom . import e\nfrom .f import g\nfrom ..h import i\n'
+        'def late():\n    import j\n')
+    assert imports_of(source, 'p.q') == {
+        'a.b', 'c', 'c.d', 'p.q', 'p.q.e', 'p.q.f', 'p.q.f.g', 'p.h', 'p.h.i', 'j'}
+
+
+def test_the_finder_of_cycles_finds_one():
+    assert cycle_in({'a': {'b'}, 'b': {'c'}, 'c': {'a'}, 'd': set()}) == {'a', 'b', 'c'}
+    assert cycle_in({'a': {'b', 'c'}, 'b': {'c'}, 'c': set()}) == set()
+
+
+def test_every_file_is_in_a_room_and_every_room_has_files():
+    assert {room_of(module_of(path)) for path in FILES} == set(ROOMS)
+
+
+def test_nodes_are_the_executables_and_nothing_else():
+    assert {module_of(path) for path in FILES if path.parent == ROOT / 'nodes'} == {
+        *NODE_MODULES, f'{PACKAGE}.nodes'}
+
+
+@pytest.mark.parametrize('path', FILES, ids=name_of)
+def test_a_file_imports_only_from_rooms_that_its_own_may_look_into(path):
+    room = room_of(module_of(path))
+    rooms = {room_of(name) for name in inside(path)}
+    assert rooms <= {room, *ROOMS[room]}, f'{name_of(path)} looks into {rooms - ROOMS[room]}'
+
+
+@pytest.mark.parametrize('path', FILES, ids=name_of)
+def test_other_rooms_of_the_core_are_entered_by_their_door(path):
+    """Names are imported from the package, unless they are of the file alone."""
+    room = room_of(module_of(path))
+    for name in inside(path):
+        door, _, last = name.rpartition('.')
+        if room_of(name) in CORE and room_of(name) != room and door.count('.') == 3:
+            exported = imports_in(ROOT / Path(*door.split('.')[1:-1]) / '__init__.py')
+            assert name not in exported, f'{name_of(path)} imports {last} from its file'
+
+
+@pytest.mark.parametrize(
+    'path', [path for path in FILES if room_of(module_of(path)) in {*CORE, 'core'}], ids=name_of)
+def test_a_core_file_is_pure(path):
+    """It imports pure modules and numpy, and opens, prints and executes nothing."""
+    others = {name.partition('.')[0] for name in imports_in(path)} - {PACKAGE}
+    assert others <= PURE | {'numpy'}
+    called = {
+        node.func.id for node in ast.walk(ast.parse(path.read_text()))
+        if isinstance(node, ast.Call) and isinstance(node.func, ast.Name)}
+    assert not called & {'open', 'print', 'input', '__import__', 'exec', 'eval'}
+
+
+@pytest.mark.parametrize('room', sorted(ROOMS))
+def test_the_files_of_a_room_import_each_other_in_one_direction(room):
+    paths = [path for path in FILES
+             if room_of(module_of(path)) == room and path.stem != '__init__']
+    modules = {module_of(path) for path in paths}
+    assert cycle_in({module_of(path): imports_in(path) & modules - {module_of(path)}
+                     for path in paths}) == set()
+
+
+@pytest.mark.parametrize('path', FILES, ids=name_of)
+def test_no_file_imports_a_node_but_its_base_class_or_to_compose_it(path):
+    if module_of(path) == COMPOSER:
+        return
+    nodes = imports_in(path) & NODE_MODULES - BASE_CLASSES.get(module_of(path), set())
+    assert nodes <= {module_of(path)}, f'{path.name} imports {nodes}'
