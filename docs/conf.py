@@ -28,5 +28,6 @@ myst_heading_anchors = 3
 numpydoc_show_class_members = False
 autodoc_member_order = 'bysource'
 autodoc_typehints = 'none'  # numpydoc says them, with units
+highlight_language = 'text'
 html_theme = 'alabaster'
-html_theme_options = {'page_width': '1100px', 'sidebar_width': '260px'}
+html_theme_options = {'page_width': '1200px', 'sidebar_width': '290px'}
