@@ -111,9 +111,11 @@ def test_map_to_odom_to_base_is_the_truth_whatever_the_robot_believes(graph):
     graph.start('simulated_base', TRUTH, '-r', '__node:=ground_truth')
     found = transforms(graph)
     truth = graph.collect(Odometry, 'ground_truth')
+    asked, driven = (
+        graph.publisher(JointState, topic) for topic in ('wheel_rates', 'noisy_wheel_rates'))
     start = graph.now_ns()
-    graph.publisher(JointState, 'wheel_rates').publish(rates(start, 3.0, 5.0))
-    graph.publisher(JointState, 'noisy_wheel_rates').publish(rates(start, 3.1, 4.8))
+    asked.publish(rates(start, 3.0, 5.0))
+    driven.publish(rates(start, 3.1, 4.8))
     graph.wait_for(lambda: truth, 'the truth')
     heard = stamp_ns(truth[0])
 
@@ -139,9 +141,11 @@ def test_a_belief_is_matched_with_the_truth_at_its_stamp_also_when_the_truth_has
     truth = graph.collect(Odometry, 'ground_truth')
     wheels = graph.publisher(JointState, 'noisy_wheel_rates')
     beliefs = graph.publisher(Odometry, 'odom')
-    start = graph.now_ns() - 2_500_000_000
+    start = graph.now_ns()
     for number, left in enumerate((2.0, *7 * (9.0,), 0.0)):
-        wheels.publish(rates(start + number * 200_000_000, left, 5.0 * (left > 0.0)))
+        stamp = start + number * 200_000_000
+        graph.wait_for(lambda: graph.now_ns() >= stamp, 'the time of the message')
+        wheels.publish(rates(stamp, left, 5.0 * (left > 0.0)))
     graph.wait_for(lambda: truth and truth[-1].twist.twist.linear.x == 0.0, 'the truth')
     middle = rolled(Pose(1.0, 2.0, 0.5), 2.0, 5.0, 0.2)
     for milliseconds, expected in [
