@@ -28,9 +28,9 @@ settings.load_profile('ci')
 @pytest.fixture
 def graph():
     """Yield a graph in a domain of its own, and end its processes whatever happens."""
-    from domain_coordinator import domain_id
+    from domains import own_domain
     from graph import Graph
-    with domain_id() as domain:
+    with own_domain() as domain:
         graph = Graph(domain)
         try:
             yield graph

@@ -17,7 +17,7 @@
 from diffdrive_kinematics.nodes.diff_drive_controller import DiffDriveController
 from diffdrive_kinematics.ros.runtime import clocks, node as node_module
 from diffdrive_kinematics.ros.runtime.clocks import SteadyTimers, SteppedClock
-from domain_coordinator import domain_id
+from domains import own_domain
 from graph import twist, twist_stamped
 import pytest
 import rclpy
@@ -133,7 +133,7 @@ def robot(monkeypatch):
         robots.append(Robot(monkeypatch, *clock, **parameters))
         return robots[-1]
 
-    with domain_id():
+    with own_domain():
         yield make
         for each in robots:
             each.node.destroy_node()

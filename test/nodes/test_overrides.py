@@ -31,10 +31,10 @@ KHEPERA = ['-p', 'wheel_radius:=0.021', '-p', 'wheel_separation:=0.0885']
 @pytest.fixture
 def started(tmp_path):
     """Initialise rclpy in a domain of its own, with parameters of whatever node is made."""
-    from domain_coordinator import domain_id
-    with domain_id() as domain:
+    from domains import own_domain
+    with own_domain() as domain:
         rclpy.init(args=['--ros-args', *KHEPERA, '-p', 'wheel_radios:=0.1'],
-                   domain_id=int(domain))
+                   domain_id=domain)
         yield
         rclpy.try_shutdown()
 

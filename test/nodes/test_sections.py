@@ -38,12 +38,12 @@ def doubts_of(tmp_path, keys, node, kind='simulated_base', given=GEOMETRY, neigh
 
 @pytest.mark.parametrize('namespace', ['/', '/r', '/r/s', '/other', '/q/r'])
 def test_sections_are_for_the_nodes_that_rcl_gives_them_to(tmp_path, namespace):
-    from domain_coordinator import domain_id
+    from domains import own_domain
     file = tmp_path / 'params.yaml'
     file.write_text(''.join(f"'{key}':\n  ros__parameters: {{p{number}: 1}}\n"
                             for number, key in enumerate(KEYS)))
-    with domain_id() as domain:
-        rclpy.init(args=['--ros-args', '--params-file', str(file)], domain_id=int(domain))
+    with own_domain() as domain:
+        rclpy.init(args=['--ros-args', '--params-file', str(file)], domain_id=domain)
         node = Node('n', namespace=namespace)
         try:
             given = {KEYS[int(name[1:])] for name in node._parameter_overrides if name[0] == 'p'}

@@ -55,8 +55,8 @@ class Outside:
 
 @pytest.fixture
 def outside(tmp_path):
-    from domain_coordinator import domain_id
-    with domain_id() as domain:
+    from domains import own_domain
+    with own_domain() as domain:
         yield Outside(domain, tmp_path)
 
 

@@ -63,9 +63,9 @@ def bases_of(file):
 @pytest.mark.parametrize('file', FILES, ids=lambda file: file.stem)
 def test_all_nodes_of_a_robot_name_its_base_alike_and_no_two_robots_do(file):
     """Or else the links of the URDF and the transforms of the odometry are two trees."""
-    from domain_coordinator import domain_id
-    with domain_id() as domain:
-        rclpy.init(args=['--ros-args', '--params-file', str(file)], domain_id=int(domain))
+    from domains import own_domain
+    with own_domain() as domain:
+        rclpy.init(args=['--ros-args', '--params-file', str(file)], domain_id=domain)
         try:
             found = bases_of(file)
         finally:

@@ -113,10 +113,10 @@ class Machines:
 @pytest.fixture
 def machines(tmp_path):
     """Yield two machines, or skip where they cannot be made."""
-    from domain_coordinator import domain_id
+    from domains import own_domain
     if not shutil.which('ip'):
         pytest.skip('ip (iproute2) is not installed')
-    with domain_id() as domain:
+    with own_domain() as domain:
         made = Machines(tmp_path, domain)
         try:
             made.wire()

@@ -110,7 +110,7 @@ class Graph:
             'RCUTILS_COLORIZED_OUTPUT': '0'}
         self._environment.setdefault('ROS_LOG_DIR', tempfile.gettempdir())
         self.context = rclpy.Context()
-        rclpy.init(context=self.context, domain_id=int(domain))
+        rclpy.init(context=self.context, domain_id=domain)
         self.node = rclpy.create_node(
             'test', context=self.context, start_parameter_services=False)
         self.executor = SingleThreadedExecutor(context=self.context)

@@ -23,7 +23,7 @@ from contextlib import contextmanager
 
 from diffdrive_kinematics.ros.runtime.clocks import SteppedClock
 from diffdrive_kinematics.ros.runtime.traffic import Traffic
-from domain_coordinator import domain_id
+from domains import own_domain
 from graph import arguments
 import rclpy
 from rclpy.serialization import deserialize_message, serialize_message
@@ -73,9 +73,9 @@ class Inside:
 @contextmanager
 def initialised(parameters=None, args=None):
     """Have rclpy in this process, in a domain of its own."""
-    with domain_id() as domain:
+    with own_domain() as domain:
         rclpy.init(
-            args=arguments(parameters or {}) if args is None else args, domain_id=int(domain),
+            args=arguments(parameters or {}) if args is None else args, domain_id=domain,
             signal_handler_options=SignalHandlerOptions.NO)
         try:
             yield
