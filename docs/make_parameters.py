@@ -16,7 +16,7 @@
 
 import math
 
-from diffdrive_kinematics.ros.parameters.entries import Entry
+from diffdrive_kinematics.ros.parameters.parameter_spec import ParameterSpec
 from diffdrive_kinematics.ros.parameters.tables import TABLES
 
 HEAD = """# Parameters
@@ -35,7 +35,7 @@ after it. On the command line `-p NAME:=VALUE` replaces a value of `/**`, and
 """
 
 
-def default(entry: Entry) -> str:
+def default(entry: ParameterSpec) -> str:
     """Return the default as YAML has it."""
     if entry.required:
         return '**required**'
@@ -47,7 +47,7 @@ def default(entry: Entry) -> str:
     return f'`{value}`'.replace("'", '') if value != '' else "`''`"
 
 
-def row(entry: Entry) -> str:
+def row(entry: ParameterSpec) -> str:
     """Return the table row of a parameter."""
     name = f'`{entry.name}`' + (' *fixed*' if entry.read_only else '')
     description = entry.description.replace('|', '\\|')

@@ -26,7 +26,7 @@ from diffdrive_kinematics.ros.parameters.from_values import check_sides, wheel_g
 from diffdrive_kinematics.ros.parameters.parameters import ConfigurationError
 from diffdrive_kinematics.ros.parameters.tables import CALIBRATE
 from diffdrive_kinematics.ros.runtime.clocks import SteadyTimers
-from diffdrive_kinematics.ros.runtime.last_word import HEARTBEAT_S
+from diffdrive_kinematics.ros.runtime.final_command import HEARTBEAT_S
 from diffdrive_kinematics.ros.runtime.node import DiffDriveNode
 from diffdrive_kinematics.ros.runtime.output import exit_status, report
 from diffdrive_kinematics.ros.runtime.running import run, spin_node, Stop

@@ -25,7 +25,7 @@ from diffdrive_kinematics.ros.messages.messages import TwistMessage
 from diffdrive_kinematics.ros.parameters.from_values import commands_from
 from diffdrive_kinematics.ros.parameters.tables import COMMAND_SEQUENCE
 from diffdrive_kinematics.ros.runtime.clocks import period_ns
-from diffdrive_kinematics.ros.runtime.diagnostics import Diagnosis, Look, Trouble, WARN
+from diffdrive_kinematics.ros.runtime.diagnostics import Problem, RateSample, Status, WARN
 from diffdrive_kinematics.ros.runtime.node import DiffDriveNode
 from diffdrive_kinematics.ros.runtime.running import main_of
 from diffdrive_kinematics.tools.recordings import COMMAND_COLUMNS, read_columns
@@ -181,15 +181,15 @@ class CommandSequence(DiffDriveNode[Config]):
         missing = sorted(self._unanswered) or [f'a subscriber of {self._publisher.topic_name}']
         return f"waiting for {', '.join(missing)}"
 
-    def diagnosis(self, look: Look) -> Diagnosis:
+    def status(self, look: RateSample) -> Status:
         """Return how far the course has come."""
         elapsed = min(self.elapsed_s(), self.length_s)
-        return Diagnosis({
+        return Status({
             'state': 'done' if self.done else 'playing' if self.begun() else 'waiting',
             'elapsed [s]': elapsed, 'length [s]': self.length_s,
             'progress [%]': 100.0 * elapsed / self.length_s,
             'achieved publish rate [Hz]': look.rate},
-            [] if self.begun() else [Trouble(WARN, self._waiting())])
+            [] if self.begun() else [Problem(WARN, self._waiting())])
 
     def _listen(self, topic: str, type_name: str) -> None:
         """Subscribe to a topic of whatever type until it answers."""
@@ -206,9 +206,9 @@ class CommandSequence(DiffDriveNode[Config]):
 
     def _send(self, stamp_ns: int, v: float, w: float) -> None:
         self.sent += 1
-        self._publisher.publish(self._message.filled(stamp_ns, v, w))
+        self._publisher.publish(self._message.encode(stamp_ns, v, w))
 
-    def last_word(self) -> Sequence[Publisher]:
+    def final_command(self) -> Sequence[Publisher]:
         """Leave the robot with the command to stand still."""
         self._send(self.now_ns(), 0.0, 0.0)
         return [self._publisher]

@@ -18,7 +18,7 @@ from dataclasses import dataclass
 import time
 from typing import Any, List, Mapping, Optional, Sequence
 
-from diffdrive_kinematics.core.commands import Drive, DriveSettings, DriveTelling, STILL, Twist
+from diffdrive_kinematics.core.commands import Drive, DriveSettings, STILL, Twist, WheelCommand
 from diffdrive_kinematics.ros.inputs.command_intake import Backlog, CommandIntake, LATE_NS
 from diffdrive_kinematics.ros.inputs.emergency_stop import EmergencyStop
 from diffdrive_kinematics.ros.inputs.publisher_watch import PublisherWatch
@@ -29,7 +29,7 @@ from diffdrive_kinematics.ros.parameters.from_values import (
     axis_limits, check_sides, check_wiring, wheel_geometry)
 from diffdrive_kinematics.ros.parameters.tables import DIFF_DRIVE_CONTROLLER
 from diffdrive_kinematics.ros.runtime.diagnostics import (
-    Diagnosis, heard_values, Look, OK, quiet, slowness, unheard)
+    heard_values, OK, quiet, RateSample, slowness, Status, unheard)
 from diffdrive_kinematics.ros.runtime.node import DiffDriveNode
 from diffdrive_kinematics.ros.runtime.running import main_of
 from geometry_msgs.msg import Twist as TwistMsg, TwistStamped
@@ -130,7 +130,7 @@ class DiffDriveController(DiffDriveNode[Config]):
             if twist == STILL:
                 self._halt()
             return
-        self.heard.note(now_ns, own_ns or now_ns)
+        self.statistics.note(now_ns, own_ns or now_ns)
         if self._watchdog:
             self._watchdog.reset()
         if self._is_over(now_ns - LATE_NS):
@@ -148,7 +148,7 @@ class DiffDriveController(DiffDriveNode[Config]):
 
     def _command(self, twist: Twist, stamp_ns: int) -> None:
         self._drive, changes = self._drive.commanded(twist, stamp_ns)
-        self._tell(changes)
+        self._publish(changes)
 
     def _go_on(self, now_ns: int) -> None:
         """Take the time since the last command ended, of which nobody was told, for none."""
@@ -167,12 +167,12 @@ class DiffDriveController(DiffDriveNode[Config]):
             now_ns = self._synchronised_now()
         drive, changes = self._drive.advanced(now_ns)
         self._drive = drive
-        told = drive.told(now_ns)
+        told = drive.command_at(now_ns)
         passed_ns = told.stamp_ns - (changes[-1].stamp_ns if changes else self._told_ns)
         if passed_ns and (passed_ns >= drive.settings.period_ns
                           or not changes and self.sent == self._sent_by_tick):
             changes.append(told)  # else it was said since the last tick
-        self._tell(changes)
+        self._publish(changes)
         self._sent_by_tick = self.sent
         if not self._heard_command and now_ns >= self._next_type_check_ns:
             self._next_type_check_ns = now_ns + TYPE_CHECK_PERIOD_NS
@@ -207,7 +207,7 @@ class DiffDriveController(DiffDriveNode[Config]):
             return
         now_ns = self._synchronised_now()
         self._drive, changes = self._drive.ended_by(now_ns).advanced(now_ns)
-        self._tell(changes)
+        self._publish(changes)
 
     def on_clock_look(self, stood_s: float) -> None:
         """Bring the wheels to rest where a clock that stands does not."""
@@ -218,7 +218,7 @@ class DiffDriveController(DiffDriveNode[Config]):
             self._drive = drive._replace(timeouts=drive.timeouts + 1)
             self._halt()
         elif drive.rates == REST and self._told_ns >= 0 and self.clock_stands():
-            self._tell([drive.told(self._synchronised_now())])  # ticks do not repeat it
+            self._publish([drive.command_at(self._synchronised_now())])  # ticks do not repeat it
         else:
             self._obey_without_clock()
 
@@ -245,21 +245,21 @@ class DiffDriveController(DiffDriveNode[Config]):
         now_ns = self._synchronised_now()
         if now_ns or self._drive.rates != REST:
             self._drive = self._drive.halted(max(now_ns, self._told_ns + 1))
-        self._tell([self._drive.told(now_ns)])
+        self._publish([self._drive.command_at(now_ns)])
 
-    def _tell(self, tellings: List[DriveTelling]) -> None:
+    def _publish(self, commands: List[WheelCommand]) -> None:
         """Publish; the first message has no positions and is the baseline for the others'."""
-        for telling in tellings:
+        for command in commands:
             first = self._told_ns < 0
             self.sent += 1
-            self._told_ns = telling.stamp_ns
-            self._send_wheels(self._wheels.filled(
-                telling.stamp_ns, telling.rates, None if first else telling.angles))
+            self._told_ns = command.stamp_ns
+            self._send_wheels(self._wheels.encode(
+                command.stamp_ns, command.rates, None if first else command.angles))
             if self._commands_publisher:
-                self._commands_publisher.publish(self._wheel_commands.filled(telling.rates))
+                self._commands_publisher.publish(self._wheel_commands.encode(command.rates))
             if self._twist_publisher:
                 self._twist_publisher.publish(
-                    self._twist.filled(telling.stamp_ns, *telling.twist))
+                    self._twist.encode(command.stamp_ns, *command.twist))
 
     def _synchronised_now(self) -> int:
         """Return the time, with the drive moved along where the clock itself was stepped."""
@@ -275,7 +275,7 @@ class DiffDriveController(DiffDriveNode[Config]):
         timeout = self._drive.settings.cmd_vel_timeout
         self._intake.configure(config.values)
         self._drive, changes = self._drive.configured(config.drive, self._synchronised_now())
-        self._tell(changes)
+        self._publish(changes)
         self._timer = self.retimed(self._timer, config.drive.publish_rate, self._tick)
         if timeout != config.drive.cmd_vel_timeout:  # else what is silent goes on to be
             self._set_watchdog(config.drive.cmd_vel_timeout)
@@ -291,21 +291,21 @@ class DiffDriveController(DiffDriveNode[Config]):
                 f'{self.command_type()}: is enable_stamped_cmd_vel (now '
                 f'{str(self._stamped).lower()}) set as it should be?')
 
-    def diagnosis(self, look: Look) -> Diagnosis:
+    def status(self, look: RateSample) -> Status:
         """Return how commands come in and rates go out."""
         values, drive, topic = self.config.values, self._drive, self.command_topic()
-        return Diagnosis({
-            **heard_values(self.heard, look.now_ns, 'command'),
+        return Status({
+            **heard_values(self.statistics, look.now_ns, 'command'),
             'achieved publish rate [Hz]': look.rate, 'saturated': drive.saturated,
             'limited': drive.limited, 'timeouts': drive.timeouts, **self._intake.values(),
             **self._stop.values(), 'publishers of commands': self._command_watch.count}, [
-                *self._stop.troubles(), *self._command_watch.troubles(),
-                *unheard(self.heard, topic, OK),
-                *quiet(self.heard, look.now_ns, values['cmd_vel_timeout'], topic,
+                *self._stop.problems(), *self._command_watch.problems(),
+                *unheard(self.statistics, topic, OK),
+                *quiet(self.statistics, look.now_ns, values['cmd_vel_timeout'], topic,
                        at_rest=drive.rates == REST),
                 *slowness(look, values['publish_rate'])])
 
-    def last_word(self) -> Sequence[Publisher]:
+    def final_command(self) -> Sequence[Publisher]:
         """Leave the wheels with the command to stand still."""
         self._halt()
         publishers = self._wheels_publisher, self._commands_publisher, self._twist_publisher

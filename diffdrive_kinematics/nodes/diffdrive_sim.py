@@ -21,15 +21,15 @@ import sys
 import time
 from typing import Any, Dict, List, Mapping, Tuple, Type, TYPE_CHECKING
 
-from diffdrive_kinematics.ros.parameters.share import with_params_file
+from diffdrive_kinematics.ros.parameters.package_share import with_params_file
 from diffdrive_kinematics.ros.parameters.tables import DIFFDRIVE_SIM
 from diffdrive_kinematics.ros.runtime.alone import check_alone, Disturbed, keep_to_this_machine
 from diffdrive_kinematics.ros.runtime.clocks import SteadyTimers, SteppedClock
+from diffdrive_kinematics.ros.runtime.in_flight_messages import InFlightMessages
 from diffdrive_kinematics.ros.runtime.node import DiffDriveNode
 from diffdrive_kinematics.ros.runtime.output import exit_status, report, show
 from diffdrive_kinematics.ros.runtime.running import finish, make_executor, run, spin, Stop
-from diffdrive_kinematics.ros.runtime.traffic import Traffic
-from diffdrive_kinematics.tools.report import drift_table, progress_line, Robot
+from diffdrive_kinematics.tools.drift_table import drift_table, progress_line, Robot
 from rclpy.logging import get_logger
 
 if TYPE_CHECKING:
@@ -98,7 +98,7 @@ class DiffDriveSim(DiffDriveNode[Config]):
         super().__init__('diffdrive_sim', DIFFDRIVE_SIM, build)
         shared: Dict[str, Any] = {'timers': self._steady}
         if self.config.clock_step_ns:
-            shared = {'stepped': SteppedClock(), 'traffic': Traffic()}
+            shared = {'stepped': SteppedClock(), 'in_flight': InFlightMessages()}
         classes = [_class(member.kind) for member in self.config.members]
         if self.config.clock_step_ns:  # now, so that what comes second does not disturb the first
             check_alone(self, {self.resolve_topic_name('/clock'): []}, patience_s=FAREWELL_S)
@@ -106,10 +106,10 @@ class DiffDriveSim(DiffDriveNode[Config]):
         self.members: List[DiffDriveNode] = [
             kind(member.name, namespace=member.namespace, neighbours=neighbours, **shared)
             for kind, member in zip(classes, self.config.members)]
-        self.stepper: Any = None
+        self.clock_driver: Any = None
         if self.config.clock_step_ns:
-            from diffdrive_kinematics.ros.runtime.stepping import Stepper
-            self.stepper = Stepper(
+            from diffdrive_kinematics.ros.runtime.sim_clock import SimClockDriver
+            self.clock_driver = SimClockDriver(
                 self, self.members, step_ns=self.config.clock_step_ns,
                 real_time_factor=self.config.real_time_factor, **shared)
         self._sequences: 'List[CommandSequence]' = self._of('command_sequence')
@@ -127,11 +127,11 @@ class DiffDriveSim(DiffDriveNode[Config]):
         executor = make_executor([self, *self.members], self.parameters.values['executor'])
         try:
             self._announce()
-            if self.stepper:
-                self.stepper.spin(executor, self._finished, stop)
+            if self.clock_driver:
+                self.clock_driver.spin(executor, self._finished, stop)
             else:
                 spin(executor, self._steady, self._finished, stop,
-                     urgent=any(node.urgent for node in self.members))
+                     needs_wakeup=any(node.needs_wakeup for node in self.members))
         finally:
             finish(self.members, executor)
 
@@ -196,8 +196,8 @@ def _work(stop: Stop) -> int:
         sim.run(stop)
         if sim.finished():
             report(drift_table(sim.robots()))
-            if sim.stepper and not sim.config.real_time_factor:
-                report(f'{sim.stepper.rate():.0f} times real time')
+            if sim.clock_driver and not sim.config.real_time_factor:
+                report(f'{sim.clock_driver.rate():.0f} times real time')
     except Disturbed:
         time.sleep(FAREWELL_S)  # still to be seen, or the other one might never know
         raise

@@ -32,7 +32,7 @@ from diffdrive_kinematics.ros.parameters.from_values import (
     check_sides, check_wiring, wheel_geometry, wheel_slips)
 from diffdrive_kinematics.ros.parameters.tables import FORWARD_PROJECTION
 from diffdrive_kinematics.ros.runtime.diagnostics import (
-    Diagnosis, heard_values, Look, quiet, stamp_values, unheard)
+    heard_values, quiet, RateSample, stamp_values, Status, unheard)
 from diffdrive_kinematics.ros.runtime.node import DiffDriveNode
 from diffdrive_kinematics.ros.runtime.running import main_of
 from diffdrive_kinematics.ros.runtime.worker import InPlace, Worker
@@ -111,7 +111,7 @@ class ForwardProjection(DiffDriveNode[Config]):
         now_ns = self._synchronised_now()
         stamp_ns = nanoseconds(message.header.stamp) or now_ns
         self._clocks['odom_topic'].note(stamp_ns, now_ns)
-        self.heard.note(now_ns, stamp_ns)
+        self.statistics.note(now_ns, stamp_ns)
 
     def _on_wheels(self, message: bytes, number: int) -> None:
         if self.waits_for_clock():
@@ -121,7 +121,7 @@ class ForwardProjection(DiffDriveNode[Config]):
         if sample is None:
             return
         self._clocks['wheel_motion_topic'].note(sample.stamp_ns, now_ns)
-        self._wheels, verdict = self._wheels.received(sample, now_ns)
+        self._wheels, verdict = self._wheels.update(sample, now_ns)
         self.judge(verdict, self.config.values['wheel_motion_topic'])
 
     def _tick(self) -> None:
@@ -172,18 +172,18 @@ class ForwardProjection(DiffDriveNode[Config]):
         self._worker.close()
         super().close()
 
-    def diagnosis(self, look: Look) -> Diagnosis:
+    def status(self, look: RateSample) -> Status:
         """Return how odometry comes in and projections go out."""
         values = self.config.values
         topic = self.resolve_topic_name(values['odom_topic'])
-        return Diagnosis({
-            **heard_values(self.heard, look.now_ns, 'odometry'),
+        return Status({
+            **heard_values(self.statistics, look.now_ns, 'odometry'),
             'achieved projection rate [Hz]': look.rate,
             'projections skipped': self._worker.skipped, **stamp_values(self.counts),
             **self._wheel_watch.values()}, [
-                *self._wheel_watch.troubles(), *unheard(self.heard, topic),
-                *quiet(self.heard, look.now_ns, values['command_timeout'], topic),
-                *(trouble for clock in self._clocks.values() for trouble in clock.troubles())])
+                *self._wheel_watch.problems(), *unheard(self.statistics, topic),
+                *quiet(self.statistics, look.now_ns, values['command_timeout'], topic),
+                *(trouble for clock in self._clocks.values() for trouble in clock.problems())])
 
     def _synchronised_now(self) -> int:
         now_ns, step_ns = self.now_and_step()

@@ -25,7 +25,7 @@ from diffdrive_kinematics.core.kinematics import check_finite, Pose
 from diffdrive_kinematics.ros.messages.messages import nanoseconds, pose_in_plane, TwistMessage
 from diffdrive_kinematics.ros.parameters.tables import GOAL_STEERING
 from diffdrive_kinematics.ros.runtime.diagnostics import (
-    Diagnosis, heard_values, Look, quiet, unheard)
+    heard_values, quiet, RateSample, Status, unheard)
 from diffdrive_kinematics.ros.runtime.node import DiffDriveNode
 from diffdrive_kinematics.ros.runtime.running import main_of
 from geometry_msgs.msg import PoseStamped, Twist, TwistStamped
@@ -111,9 +111,9 @@ class GoalSteering(DiffDriveNode[Config]):
             TwistStamped if stamped else Twist, values['cmd_vel_topic'])
         self.subscribe(Odometry, values['odom_topic'], self._on_odometry)
         if values['goal_topic']:
-            self.subscribe(PoseStamped, values['goal_topic'], self._on_goal, urgent=False)
+            self.subscribe(PoseStamped, values['goal_topic'], self._on_goal, needs_wakeup=False)
         if values['plan_topic']:
-            self.subscribe(Path, values['plan_topic'], self._on_plan, urgent=False)
+            self.subscribe(Path, values['plan_topic'], self._on_plan, needs_wakeup=False)
         self._timer = self.every(values['publish_rate'], self._tick)
         self.parameters.on_change(self._configure)
 
@@ -122,7 +122,7 @@ class GoalSteering(DiffDriveNode[Config]):
         if self._seen and stamp_ns == self._seen.stamp_ns != 0:
             return  # told twice, it is no younger
         self._seen = Seen(pose, message.header.frame_id, stamp_ns)
-        self.heard.note(self._synchronised_now(), stamp_ns)
+        self.statistics.note(self._synchronised_now(), stamp_ns)
 
     def _on_goal(self, message: PoseStamped) -> None:
         self._begin(Task(pose_in_plane(message.pose), self._frame_of(message)))
@@ -181,7 +181,7 @@ class GoalSteering(DiffDriveNode[Config]):
 
     def _is_blind(self, now_ns: int) -> bool:
         """Say when odometry falls silent and when it comes again; return whether it is silent."""
-        age, timeout = self.heard.age(now_ns), self.config.values['odom_timeout']
+        age, timeout = self.statistics.age(now_ns), self.config.values['odom_timeout']
         topic = self.resolve_topic_name(self.config.values['odom_topic'])
         if age is None:
             self.get_logger().info(
@@ -223,7 +223,7 @@ class GoalSteering(DiffDriveNode[Config]):
 
     def _send(self, now_ns: int, v: float, w: float) -> None:
         self.sent += 1
-        self._publisher.publish(self._message.filled(now_ns, v, w))
+        self._publisher.publish(self._message.encode(now_ns, v, w))
 
     def _synchronised_now(self) -> int:
         now_ns, step_ns = self.now_and_step()
@@ -231,20 +231,20 @@ class GoalSteering(DiffDriveNode[Config]):
             self._approach = self._approach._replace(since_ns=self._approach.since_ns + step_ns)
         return now_ns
 
-    def diagnosis(self, look: Look) -> Diagnosis:
+    def status(self, look: RateSample) -> Status:
         """Return where the robot is going and how odometry comes in."""
         values = self.config.values
         topic = self.resolve_topic_name(values['odom_topic'])
-        return Diagnosis({
+        return Status({
             'state': f'driving to {self._tasks[0]}' if self._tasks else 'without a goal',
             'distance left [m]': self._approach.distance if self._tasks else 0.0,
             'arrivals': self.counts['arrivals'], 'given up': self.counts['given up'],
             'odometry timeouts': self.counts['odometry timeouts'],
-            **heard_values(self.heard, look.now_ns, 'odometry')}, [
-                *unheard(self.heard, topic),
-                *quiet(self.heard, look.now_ns, values['odom_timeout'], topic)])
+            **heard_values(self.statistics, look.now_ns, 'odometry')}, [
+                *unheard(self.statistics, topic),
+                *quiet(self.statistics, look.now_ns, values['odom_timeout'], topic)])
 
-    def last_word(self) -> Sequence[Publisher]:
+    def final_command(self) -> Sequence[Publisher]:
         """Leave the robot with the command to stand still, where it was driven."""
         if not self.sent:
             return ()

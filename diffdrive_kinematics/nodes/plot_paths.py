@@ -24,8 +24,8 @@ from diffdrive_kinematics.core.noise import (
     heading_covariance, PoseCovariance, propagated_covariance, reachable_set_from_slip,
     sample_heading, sample_paths, travel_of_command, unit_bound, WheelSlip)
 from diffdrive_kinematics.ros.parameters.from_values import commands_from, wheel_slips
+from diffdrive_kinematics.ros.parameters.package_share import with_params_file
 from diffdrive_kinematics.ros.parameters.parameters import ConfigurationError
-from diffdrive_kinematics.ros.parameters.share import with_params_file
 from diffdrive_kinematics.ros.parameters.tables import PLOT_PATHS
 from diffdrive_kinematics.ros.runtime.node import DiffDriveNode
 from diffdrive_kinematics.ros.runtime.output import exit_status, report

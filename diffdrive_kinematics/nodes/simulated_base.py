@@ -22,8 +22,8 @@ from diffdrive_kinematics.core.kinematics import Pose, WheelGeometry
 from diffdrive_kinematics.core.noise import (
     heading_covariance, NO_COVARIANCE, PoseCovariance, sample_heading, twist_covariance)
 from diffdrive_kinematics.core.odometry import (
-    composed, Encoder, inverted, MeasuredWheels, OdometryHistory, Pair, RateWindow,
-    timeout_from_seconds, Verdict)
+    composed, Encoder, inverted, MeasuredWheels, OdometryHistory, RateWindow,
+    timeout_from_seconds, Verdict, WheelPair)
 from diffdrive_kinematics.core.odometry import odometry as core
 from diffdrive_kinematics.ros.inputs.driver_watch import DriverWatch
 from diffdrive_kinematics.ros.inputs.wheel_watch import WheelWatch
@@ -37,7 +37,7 @@ from diffdrive_kinematics.ros.parameters.tables import SIMULATED_BASE
 from diffdrive_kinematics.ros.publishers.path import PathPublisher
 from diffdrive_kinematics.ros.publishers.tf import frame_prefix, TransformPublisher
 from diffdrive_kinematics.ros.runtime.diagnostics import (
-    Diagnosis, heard_values, Look, quiet, slowness, stamp_values, unheard)
+    heard_values, quiet, RateSample, slowness, stamp_values, Status, unheard)
 from diffdrive_kinematics.ros.runtime.node import DiffDriveNode
 from diffdrive_kinematics.ros.runtime.running import main_of
 from geometry_msgs.msg import PoseWithCovarianceStamped
@@ -55,7 +55,7 @@ class Config:
 
     geometry: WheelGeometry
     timeout_ns: Optional[int]
-    slip_variances: Pair
+    slip_variances: WheelPair
     values: Mapping[str, Any]
 
 
@@ -114,7 +114,7 @@ class SimulatedBase(DiffDriveNode[Config]):
         self._wheel_watch = WheelWatch(self, self._reader, values['wheel_motion_topic'])
         self._wheel_motion = self.poll(  # first, since it takes longest: others have to find it
             JointState, values['wheel_motion_topic'], self._on_wheels)
-        self._wheel_motion.promise(values['publish_rate'])
+        self._wheel_motion.set_poll_rate(values['publish_rate'])
         pose, covariance = _start(values)
         self._odometry = core.Odometry.starting_at(
             pose, geometry=self.config.geometry, timeout_ns=self.config.timeout_ns,
@@ -143,7 +143,7 @@ class SimulatedBase(DiffDriveNode[Config]):
             self, values, self._message.frame_id) if values['path_topic'] else None
         topic = values['set_pose_topic']
         if topic:
-            self.subscribe(PoseWithCovarianceStamped, topic, self._on_pose, urgent=False)
+            self.subscribe(PoseWithCovarianceStamped, topic, self._on_pose, needs_wakeup=False)
         self.create_service(Trigger, '~/reset', self._on_reset)
         self._timer = self.every(values['publish_rate'], self._tick)
         self.parameters.on_change(self._configure)
@@ -151,9 +151,9 @@ class SimulatedBase(DiffDriveNode[Config]):
     def _transforms(self, switch: str) -> Optional[TransformPublisher]:
         return TransformPublisher(self, switch) if self.config.values[switch] else None
 
-    def reading(self) -> core.BaseReading:
+    def reading(self) -> core.BaseState:
         """Return the base as it is now."""
-        return self._odometry.at(self._updated_now())
+        return self._odometry.predict(self._updated_now())
 
     def _on_wheels(self, message: bytes, received_ns: int, number: int) -> None:
         now_ns = self._synchronised_now()
@@ -163,9 +163,9 @@ class SimulatedBase(DiffDriveNode[Config]):
         sample = self._reader.read(message, lambda: now_ns, number)
         if sample is None:
             return
-        self.heard.note(now_ns, sample.stamp_ns)
+        self.statistics.note(now_ns, sample.stamp_ns)
         before = self._odometry
-        odometry, verdict = before.received(sample, now_ns)
+        odometry, verdict = before.update(sample, now_ns)
         self._odometry = odometry
         if odometry.clock is not before.clock or odometry.measured is not before.measured:
             self._driver.look(odometry)
@@ -197,13 +197,13 @@ class SimulatedBase(DiffDriveNode[Config]):
     def _on_pose(self, message: PoseWithCovarianceStamped) -> None:
         pose, covariance = given_pose(message, self._message.frame_id)
         now_ns = self._updated_now()
-        self._place(self._odometry.placed_at(pose, covariance, now_ns))
+        self._place(self._odometry.set_pose(pose, covariance, now_ns))
         self._report_place(f"set on '{self.config.values['set_pose_topic']}'")
 
     def _on_reset(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
         pose, covariance = _start(self.config.values)
         now_ns = self._updated_now()
-        self._place(self._odometry.placed_at(pose, covariance, now_ns, keep_angles=False))
+        self._place(self._odometry.set_pose(pose, covariance, now_ns, keep_angles=False))
         response.success, response.message = True, self._report_place('reset')
         return response
 
@@ -231,31 +231,31 @@ class SimulatedBase(DiffDriveNode[Config]):
                 throttle_duration_sec=WAITING_REPORT_PERIOD_S, skip_first=True)
             return
         self.sent += 1
-        reading = self._odometry.at(now_ns)
+        reading = self._odometry.predict(now_ns)
         if self._send_odometry:
             self._set_covariances(now_ns, reading.rates)
-            self._send_odometry(self._message.filled(now_ns, reading))
+            self._send_odometry(self._message.encode(now_ns, reading))
         if self._send_joints:
-            self._send_joints(self._wheels.filled(now_ns, reading.rates, reading.angles))
+            self._send_joints(self._wheels.encode(now_ns, reading.rates, reading.angles))
         if self._transform:
             self._transform.publish(now_ns, self._frames, reading.pose)
         if self._path:
             self._path.add(now_ns, reading.pose)
 
-    def diagnosis(self, look: Look) -> Diagnosis:
+    def status(self, look: RateSample) -> Status:
         """Return how wheel motion comes in and odometry goes out."""
         values = self.config.values
         topic = self.resolve_topic_name(values['wheel_motion_topic'])
-        return Diagnosis({
-            **heard_values(self.heard, look.now_ns, 'wheel motion'),
+        return Status({
+            **heard_values(self.statistics, look.now_ns, 'wheel motion'),
             'achieved odometry rate [Hz]': look.rate, **stamp_values(self.counts),
             'position jumps': self.counts[Verdict.JUMPED.value],
-            'last now - stamp [s]': self.heard.skew_ns / 1e9,
-            'largest now - stamp [s]': self.heard.largest_skew_ns / 1e9,
+            'last now - stamp [s]': self.statistics.skew_ns / 1e9,
+            'largest now - stamp [s]': self.statistics.largest_skew_ns / 1e9,
             **self._wheel_watch.values(), **self._driver.values(self._odometry)}, [
-                *self._wheel_watch.troubles(), *self._driver.troubles(),
-                *unheard(self.heard, topic),
-                *quiet(self.heard, look.now_ns, values['command_timeout'], topic,
+                *self._wheel_watch.problems(), *self._driver.problems(),
+                *unheard(self.statistics, topic),
+                *quiet(self.statistics, look.now_ns, values['command_timeout'], topic,
                        at_rest=self._odometry.at_rest),
                 *slowness(look, values['publish_rate'])])
 
@@ -277,11 +277,11 @@ class SimulatedBase(DiffDriveNode[Config]):
         pose, twist = values['pose_covariance_diagonal'], values['twist_covariance_diagonal']
         self._fixed_pose, self._fixed_twist = any(pose), any(twist)
         self._floor, self._period = values['covariance_floor'], 1.0 / values['publish_rate']
-        self._twist_of: Optional[Pair] = None
+        self._twist_of: Optional[WheelPair] = None
         self._message.set_diagonals(
             pose if self._fixed_pose else floor, twist if self._fixed_twist else floor)
 
-    def _set_covariances(self, now_ns: int, rates: Pair) -> None:
+    def _set_covariances(self, now_ns: int, rates: WheelPair) -> None:
         """Set what the slip makes of the pose up to now, and of the twist in a period."""
         if not self._fixed_pose:
             self._message.set_pose_covariance(
@@ -303,7 +303,7 @@ class SimulatedBase(DiffDriveNode[Config]):
         self._history = self._history.followed(self._odometry)
         self._set_diagonals(config.values)
         self._timer = self.retimed(self._timer, config.values['publish_rate'], self._tick)
-        self._wheel_motion.promise(config.values['publish_rate'])
+        self._wheel_motion.set_poll_rate(config.values['publish_rate'])
 
 
 main = main_of(SimulatedBase)

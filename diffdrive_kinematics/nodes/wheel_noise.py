@@ -25,7 +25,7 @@ from diffdrive_kinematics.ros.parameters.from_values import (
     check_sides, check_wiring, wheel_radii, wheel_slips)
 from diffdrive_kinematics.ros.parameters.tables import WHEEL_NOISE
 from diffdrive_kinematics.ros.runtime.diagnostics import (
-    Diagnosis, heard_values, Look, quiet, stamp_values, unheard)
+    heard_values, quiet, RateSample, stamp_values, Status, unheard)
 from diffdrive_kinematics.ros.runtime.node import DiffDriveNode
 from diffdrive_kinematics.ros.runtime.running import main_of
 import numpy as np
@@ -73,22 +73,22 @@ class WheelNoise(DiffDriveNode[Config]):
         sample = self._reader.read(message, self.now_ns, number)
         if sample is None:
             return
-        self.heard.note(self.now_ns(), sample.stamp_ns)
-        self._stream, noisy, verdict = self._stream.passed(sample, self._generator)
+        self.statistics.note(self.now_ns(), sample.stamp_ns)
+        self._stream, noisy, verdict = self._stream.apply(sample, self._generator)
         self.judge(verdict, self.config.values['input_topic'])
         if noisy is not None:
             self.sent += 1
-            self._send(self._wheels.filled(noisy.stamp_ns, noisy.rates, noisy.positions))
+            self._send(self._wheels.encode(noisy.stamp_ns, noisy.rates, noisy.positions))
 
-    def diagnosis(self, look: Look) -> Diagnosis:
+    def status(self, look: RateSample) -> Status:
         """Return how wheel motion passes through."""
         values, motion = self.config.values, self._stream.motion
         topic = self.resolve_topic_name(values['input_topic'])
-        return Diagnosis({
-            **heard_values(self.heard, look.now_ns, 'wheel motion'), 'sent': self.sent,
+        return Status({
+            **heard_values(self.statistics, look.now_ns, 'wheel motion'), 'sent': self.sent,
             **stamp_values(self.counts), **self._wheel_watch.values()}, [
-                *self._wheel_watch.troubles(), *unheard(self.heard, topic),
-                *quiet(self.heard, look.now_ns, values['command_timeout'], topic,
+                *self._wheel_watch.problems(), *unheard(self.statistics, topic),
+                *quiet(self.statistics, look.now_ns, values['command_timeout'], topic,
                        at_rest=motion is not None and motion.rates == (0.0, 0.0))])
 
     def _configure(self, config: Config) -> None:

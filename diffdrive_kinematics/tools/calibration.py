@@ -19,7 +19,7 @@ import math
 from typing import Any, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
 from diffdrive_kinematics.core.calibration import (
-    Clock, COMMANDED, corrected, fit_segment_slip, fit_trajectory, ReturnError, Segment,
+    Clock, COMMANDED, corrected, fit_segment_slip, fit_trajectory, RecordedDrive, ReturnError,
     slip_from_squares, TrajectoryFit, umbmark, Windows)
 from diffdrive_kinematics.core.kinematics import WheelGeometry
 
@@ -90,7 +90,7 @@ def of_squares(
 
 
 def of_segments(
-        values: Mapping[str, Any], geometry: WheelGeometry, segments: Sequence[Segment], *,
+        values: Mapping[str, Any], geometry: WheelGeometry, segments: Sequence[RecordedDrive], *,
         clock: str, commands: bool = False) -> Calibration:
     """Return the calibration by trajectory fit; ``ValueError`` where the drives allow none."""
     keep = values['mean_radius'] == 'keep' or commands and not values['mean_radius']
@@ -121,7 +121,7 @@ def of_segments(
         tuple(_remarks(fit, segments)), (fit, geometry, segments))
 
 
-def _remarks(fit: TrajectoryFit, segments: Sequence[Segment]) -> List[str]:
+def _remarks(fit: TrajectoryFit, segments: Sequence[RecordedDrive]) -> List[str]:
     seconds = sum(float(segment.time[-1] - segment.time[0]) for segment in segments)
     remarks = [
         f'{len(segments)} drives, {seconds:.1f} s, {fit.windows} windows, {fit.in_gaps} left out '

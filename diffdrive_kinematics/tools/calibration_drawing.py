@@ -18,7 +18,7 @@ import io
 from typing import Any, List, Sequence, Tuple
 
 from diffdrive_kinematics.core.calibration import (
-    linearised, ReturnError, Segment, TrajectoryFit, Umbmark, windows_between)
+    linearised, RecordedDrive, ReturnError, TrajectoryFit, Umbmark, windows_between)
 from diffdrive_kinematics.core.kinematics import WheelGeometry
 from diffdrive_kinematics.tools.calibration import Calibration
 import numpy as np
@@ -79,7 +79,7 @@ def _draw_returns(
 
 def _draw_windows(
         figure: Any, fit: TrajectoryFit, geometry: WheelGeometry,
-        segments: Sequence[Segment]) -> None:
+        segments: Sequence[RecordedDrive]) -> None:
     """Draw the errors of windows over time, drives one after the other."""
     position, heading = figure.subplots(2, 1, sharex=True)
     start, ends = 0.0, []
@@ -105,7 +105,8 @@ def _draw_windows(
 
 
 def _errors(
-        fit: TrajectoryFit, geometry: WheelGeometry, segment: Segment, number: int, length: float
+        fit: TrajectoryFit, geometry: WheelGeometry, segment: RecordedDrive, number: int,
+        length: float
 ) -> List[Tuple[str, str, Tuple[Any, Any]]]:
     """Return colour, label, and (times [s], errors, shape (w, 3)) before and after."""
     windows = windows_between(segment, (length,), EVERY_S, TOLERANCE_S)

@@ -19,8 +19,8 @@ from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tup
 
 from builtin_interfaces.msg import Time
 from diffdrive_kinematics.core.calibration import (
-    ReturnError, Segment, segment_from_commands, segment_from_positions, segment_from_rates,
-    segment_from_ticks)
+    RecordedDrive, ReturnError, segment_from_commands, segment_from_positions,
+    segment_from_rates, segment_from_ticks)
 from diffdrive_kinematics.core.kinematics import WheelGeometry
 from diffdrive_kinematics.core.odometry import WheelSample
 from diffdrive_kinematics.ros.messages.messages import nanoseconds, pose_in_plane
@@ -65,7 +65,7 @@ def read_square_runs(path: str) -> Tuple[List[ReturnError], List[ReturnError]]:
     return found
 
 
-def read_segments(values: Mapping[str, Any], geometry: WheelGeometry) -> List[Segment]:
+def read_segments(values: Mapping[str, Any], geometry: WheelGeometry) -> List[RecordedDrive]:
     """
     Return a segment for each recording, with its reference.
 
@@ -87,7 +87,7 @@ def read_segments(values: Mapping[str, Any], geometry: WheelGeometry) -> List[Se
 
 def _read_segment(
         motion: str, reference: str, values: Mapping[str, Any], geometry: WheelGeometry
-) -> Segment:
+) -> RecordedDrive:
     kind = motion_of(motion)
     rows = _rows(motion, MOTIONS[kind])
     poses = _rows(reference, REFERENCE_COLUMNS)
@@ -117,7 +117,7 @@ def motion_of(path: str) -> str:
 
 
 def _segment_from_ticks(
-        series: Sequence[np.ndarray], values: Mapping[str, Any]) -> Segment:
+        series: Sequence[np.ndarray], values: Mapping[str, Any]) -> RecordedDrive:
     if not values['encoder_resolution']:
         raise ValueError(
             'encoder_resolution is 0.0, expected the ticks of one turn of a wheel, as the file '
@@ -211,7 +211,7 @@ class Collection:
         return (f'{text}: {seconds:.1f} s, {distance:.2f} m, {math.degrees(turned):.0f} deg '
                 f'turned{late}')
 
-    def segments(self) -> List[Segment]:
+    def segments(self) -> List[RecordedDrive]:
         """
         Return a segment for each run of the wheels' publisher.
 
@@ -236,7 +236,7 @@ class Collection:
         return segments
 
 
-def _segment(drive: _Drive) -> Optional[Segment]:
+def _segment(drive: _Drive) -> Optional[RecordedDrive]:
     """Return the segment of one run, with the reference at its time; None if it is too short."""
     first_ns = min(drive.samples[0].stamp_ns, drive.reference[0][0])
     reference = np.array([

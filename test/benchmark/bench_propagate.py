@@ -26,7 +26,7 @@ Four things take turns, so that whatever else the machine does falls on all of t
 ``same_maths``
     The arithmetic of ``propagate`` in scalar C (``same_maths.c``).
 ``copy``
-    The traffic of the pose arrays alone, read and written: the limit.
+    The in_flight of the pose arrays alone, read and written: the limit.
 
 The C is compiled with ``gcc -O3 -march=native`` into a temporary directory.  Everything writes
 into fresh memory, as ``propagate`` does, but for ``amcl_type``, which works in place.

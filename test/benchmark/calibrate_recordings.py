@@ -31,8 +31,8 @@ TEST = Path(__file__).resolve().parents[1]
 sys.path[:0] = [str(TEST.parent), str(TEST / 'support')]
 
 from diffdrive_kinematics.core.calibration import (  # noqa: E402, I100
-    Clock, COMMANDED, corrected, fit_segment_slip, fit_trajectory, linearised, NO_FRAME,
-    ReturnError, segment_from_commands, Systematic, umbmark, windows_between)
+    CalibrationParameters, Clock, COMMANDED, corrected, fit_segment_slip, fit_trajectory,
+    linearised, NO_FRAME, ReturnError, segment_from_commands, umbmark, windows_between)
 from diffdrive_kinematics.core.kinematics import WheelGeometry  # noqa: E402, I100
 from end_points import encoder_segment, predicted_end  # noqa: E402
 from recorded import RADIUS, SEPARATION  # noqa: E402
@@ -152,7 +152,8 @@ def commands(directory):
             for mean_radius in (False, True))
         delay = fit.offsets[0]
         cells = [window_errors(second, each) for each in (
-            Systematic(), Systematic(offset=delay.value), fit.systematic(0), free.systematic(0))]
+            CalibrationParameters(), CalibrationParameters(offset=delay.value),
+            fit.systematic(0), free.systematic(0))]
         ratios.append([*(cells[2] / cells[0]), *(cells[2] / cells[1]), *(cells[3] / cells[0])])
         print(f'  {path.name[8:14]} duplicates {whole.duplicates}, delay {delay.value:.3f} +- '
               f'{delay.error:.3f};', '; '.join(f'{p:.1f} {y:.1f}' for p, y in cells),

@@ -40,7 +40,7 @@ from diffdrive_kinematics.core.calibration.segment_slip import fit_segment_slip 
 from diffdrive_kinematics.core.calibration.trajectory_fit import (  # noqa: E402
     Clock, COMMANDED, fit_trajectory)
 from diffdrive_kinematics.core.calibration.trajectory_windows import (  # noqa: E402
-    linearised, Systematic, windows_between)
+    CalibrationParameters, linearised, windows_between)
 from diffdrive_kinematics.core.kinematics.angles import wrap_angle  # noqa: E402
 from end_points import encoder_segment  # noqa: E402
 
@@ -51,7 +51,7 @@ AXES = ('along [mm]', 'across [mm]', 'yaw [mrad]')
 def real_drifts(geometry, segment, systematic):
     """Return the drifts of disjoint windows, shape (w, 3), and the wheel travel of each."""
     windows = windows_between(segment, (WINDOW_S,), WINDOW_S + 0.1, 0.1)
-    frame_only = Systematic()._replace(
+    frame_only = CalibrationParameters()._replace(
         x=systematic.x, y=systematic.y, yaw=systematic.yaw, offset=systematic.offset,
         drift=systematic.drift)
     error = linearised(geometry, segment, windows, frame_only).error

@@ -40,7 +40,8 @@ sys.path[:0] = [str(TEST.parent), str(TEST / 'support')]
 from diffdrive_kinematics.core.calibration.slip_fit import (  # noqa: E402, I100
     fit_reference_noise, fit_slip, nees_per_dof)
 from systematic import (  # noqa: E402
-    CLOCK, encoder_recording, fitted, FRAME, NOMINAL, Recording, Systematic, WHEELS, windows_of)
+    CalibrationParameters, CLOCK, encoder_recording, fitted, FRAME, NOMINAL, Recording, WHEELS,
+    windows_of)
 
 TRAINING = 'square_231220200029'
 OTHERS = ('square_230620202042', 'circular_231220200121', 'free_030120210006')
@@ -199,7 +200,7 @@ def commands(directory):
         middle = len(whole.time) // 2
         first, second = (whole._replace(time=whole.time[part], travel=whole.travel[part])
                          for part in (slice(middle), slice(middle, None)))
-        start = Systematic(1.0, 1.0, MRCLAM_SEPARATION, offset=0.2)
+        start = CalibrationParameters(1.0, 1.0, MRCLAM_SEPARATION, offset=0.2)
         systematic = fitted([first], [start], WHEELS + FRAME, ('offset',))
         fit = fit_slip(list(chain.from_iterable(
             overlapping([first], systematic, (SHORT, LONG)))))

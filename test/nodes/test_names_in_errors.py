@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""What parameters name is what tf2 can take, and a refusal names what the user has written."""
+"""What parameters name is what tf2 can take, and a rejected names what the user has written."""
 
 import math
 

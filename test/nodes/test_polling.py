@@ -80,7 +80,8 @@ def assert_hears_as_it_comes(base):
     """Each message is heard by itself, although no timer fires."""
     for count in (1, 2, 3):
         base.publish(float(count), 0.0)
-        base.spin_until(lambda count=count: base.node.heard.count == count, f'message {count}')
+        base.spin_until(
+            lambda count=count: base.node.statistics.count == count, f'message {count}')
 
 
 def test_what_comes_between_ticks_that_are_rare_is_all_taken():
@@ -92,12 +93,12 @@ def test_what_comes_between_ticks_that_are_rare_is_all_taken():
             base.publish(float(number), -1.0, start + number * 10**6)
             rolled += number * 1e-3
         deadline = time.monotonic() + DEADLINE_S
-        while base.node.heard.count < 90:
+        while base.node.statistics.count < 90:
             assert time.monotonic() < deadline
             base.timers.fire_due()
         assert base.node.sent == 0  # no tick has taken them
         odometry = base.node._odometry  # it takes these stamps for those of another clock
-        reading = odometry.at(odometry.clock.own_ns(start + 90 * 10**6))
+        reading = odometry.predict(odometry.clock.own_ns(start + 90 * 10**6))
         assert reading.angles == pytest.approx((rolled, -0.09), rel=1e-12)
 
 
@@ -109,7 +110,7 @@ def test_without_a_stamp_wheel_motion_holds_from_when_it_came_not_from_when_it_w
             base.spin_until(lambda count=number + 1: len(base.heard) == count, 'the message')
             heard_ns.append(time.time_ns())
         base.node._wheel_motion.take()
-        assert base.node.heard.count == 20
+        assert base.node.statistics.count == 20
         least, most = heard_ns[-1] - heard_ns[0], time.time_ns() - begun
         assert 0.5e-9 * least < base.node._odometry.right.value < 1e-9 * most
 
@@ -124,12 +125,12 @@ def test_wheel_motion_is_heard_when_the_base_is_asked_where_it_is():
 def test_a_queue_of_the_users_is_not_left_to_fill_until_the_next_tick(policy, value):
     with base_with({OVERRIDE + policy: value, 'publish_rate': 1.0}) as base:
         assert_hears_as_it_comes(base)
-        assert base.node.urgent
+        assert base.node.needs_wakeup
 
 
 def test_other_policies_leave_the_base_to_look_by_itself():
     with base_with({OVERRIDE + 'reliability': 'best_effort'}) as base:
-        assert not base.node.urgent
+        assert not base.node.needs_wakeup
         assert not [each for each in base.node.subscriptions if each.topic_name == '/wheel_rates']
 
 

@@ -20,7 +20,7 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from diffdrive_kinematics.nodes.simulated_base import SimulatedBase
 from diffdrive_kinematics.nodes.wheel_noise import WheelNoise
 from diffdrive_kinematics.ros.runtime.diagnostics import (
-    Diagnosis, Heard, Look, quiet, Reporter, slowness, Trouble, unheard)
+    MessageStatistics, Problem, quiet, RateSample, Reporter, slowness, Status, unheard)
 from geometry_msgs.msg import Twist
 from graph import KHEPERA, set_stamp, stamp_ns, twist
 from health import collect, ERROR, OK, wait_for_level, WARN
@@ -155,9 +155,9 @@ def test_in_fast_mode_diagnostics_follow_the_stepped_clock_and_show_progress(gra
 def test_what_has_grown_since_the_last_look_is_trouble_once_the_worst_first():
     listeners = Listeners()
     reporter = Reporter('/node', 'robot', listeners)
-    silence = [Trouble(OK, 'silence')]
-    for refused, order, troubles in ((0, 0, []), (2, 1, silence), (2, 1, silence), (2, 3, [])):
-        reporter.report(1, Diagnosis({'refused': refused, 'out of order': order}, troubles))
+    silence = [Problem(OK, 'silence')]
+    for refused, order, problems in ((0, 0, []), (2, 1, silence), (2, 1, silence), (2, 3, [])):
+        reporter.report(1, Status({'refused': refused, 'out of order': order}, problems))
     assert listeners.levels == [OK, ERROR, OK, WARN]
     assert listeners.messages == [
         'ok', 'refused: 2 more, 2 in all; out of order: 1 more, 1 in all; silence', 'silence',
@@ -166,7 +166,7 @@ def test_what_has_grown_since_the_last_look_is_trouble_once_the_worst_first():
 
 def test_nothing_is_published_where_nobody_listens():
     listeners = Listeners(count=0)
-    Reporter('/node', 'robot', listeners).report(1, Diagnosis({'refused': 3}, []))
+    Reporter('/node', 'robot', listeners).report(1, Status({'refused': 3}, []))
     assert listeners.levels == []
 
 
@@ -174,15 +174,15 @@ def test_a_rate_is_what_was_sent_since_the_last_look_and_judged_where_there_is_e
     reporter = Reporter('/node', 'robot', Listeners())
     assert reporter.look(10**9, 0).rate is None
     assert reporter.look(2 * 10**9, 3).rate is None  # it began in between
-    assert reporter.look(3 * 10**9, 53) == Look(3 * 10**9, 50.0, 1.0)
+    assert reporter.look(3 * 10**9, 53) == RateSample(3 * 10**9, 50.0, 1.0)
     assert reporter.look(3 * 10**9, 60).rate is None
-    assert slowness(Look(0, 39.0, 1.0), 50.0) == [
-        Trouble(WARN, 'publishes at 39.0 Hz, set to 50.0')]
-    assert slowness(Look(0, 41.0, 1.0), 50.0) == slowness(Look(0, 0.0, 1.0), 4.0) == []
+    assert slowness(RateSample(0, 39.0, 1.0), 50.0) == [
+        Problem(WARN, 'publishes at 39.0 Hz, set to 50.0')]
+    assert slowness(RateSample(0, 41.0, 1.0), 50.0) == slowness(RateSample(0, 0.0, 1.0), 4.0) == []
 
 
 def test_the_skew_of_stamps_is_kept_with_its_sign_and_its_largest():
-    heard = Heard()
+    heard = MessageStatistics()
     assert heard.age(5) is None and unheard(heard, 'in')[0].level == WARN
     assert quiet(heard, 5, 1.0, 'in') == []
     for now, stamp in ((10, 9), (20, 25), (30, 28)):
@@ -201,9 +201,9 @@ def test_ages_and_rates_are_those_of_before_where_the_clock_was_stepped():
         back = START_NS - 500 * 10**9
         held.clock.advance_to(back)
         held.hear('/wheel_rates', JointState(name=['arm'], velocity=[1.0]))  # not ours: no news
-        diagnosis = held.node.diagnosis(Look(back))
-        assert diagnosis.values['age of the last wheel motion [s]'] == 0.7
-        assert [trouble.level for trouble in diagnosis.troubles] == [WARN]
+        status = held.node.status(RateSample(back))
+        assert status.values['age of the last wheel motion [s]'] == 0.7
+        assert [trouble.level for trouble in status.problems] == [WARN]
     reporter = Reporter('/node', 'robot', Listeners())
     reporter.look(10**12, 1)
     reporter.clock_stepped(-5 * 10**11)
@@ -221,7 +221,7 @@ def test_wheels_that_fell_silent_are_well_at_rest_and_a_warning_where_they_turne
         held.hear(topic, message)
         later = START_NS + 3600 * 10**9
         held.advance_to(later)
-        (trouble,) = held.node.diagnosis(Look(later)).troubles
+        (trouble,) = held.node.status(RateSample(later)).problems
         assert trouble.level == level
         assert "nothing heard on '/wheel_rates' for 3600.0 s" in trouble.message
         assert ('at rest' in trouble.message) == (level == OK)

@@ -56,7 +56,7 @@ class Drive:
         self._publisher.publish(message)
 
 
-def troubles(graph):
+def problems(graph):
     """Return a list to which each (level, message, values) of the base is added."""
     statuses = []
 
@@ -88,7 +88,7 @@ def test_a_driver_with_another_clock_moves_the_robot_and_is_reported_once_and_as
         graph, offset_s):
     base = graph.start('simulated_base', BASE)
     odometry = graph.collect(Odometry, 'odom')
-    statuses = troubles(graph)
+    statuses = problems(graph)
     graph.wait_for(lambda: statuses, 'the base')
     drive = Drive(graph, offset_s=offset_s, velocity=1.0, positions=False)
     until(graph, drive, lambda: any('another' in text or 'clock that is' in text or
@@ -108,7 +108,7 @@ def test_a_driver_with_another_clock_moves_the_robot_and_is_reported_once_and_as
 def test_velocities_in_rpm_are_reported_with_their_factor_and_the_unit_and_not_used(graph):
     base = graph.start('simulated_base', BASE)
     odometry = graph.collect(Odometry, 'odom')
-    statuses = troubles(graph)
+    statuses = problems(graph)
     graph.wait_for(lambda: statuses, 'the base')
     drive = Drive(graph, velocity=30.0 / math.pi)
     until(graph, drive, lambda: any('in rpm?' in text for level, text, _ in statuses

@@ -112,7 +112,7 @@ def test_an_executor_that_there_is_not_is_refused(graph):
 
 
 def test_a_base_that_sleeps_between_its_ticks_is_there_for_whoever_asks(graph):
-    """Nothing of it is urgent: what comes waits for a tenth of a second, and is heard."""
+    """Nothing of it is needs_wakeup: what comes waits for a tenth of a second, and is heard."""
     graph.start('simulated_base', {
         **KHEPERA, 'enable_odom_tf': False, 'publish_rate': 200.0, 'command_timeout': 0.0})
     odometry = graph.collect(Odometry, 'odom')

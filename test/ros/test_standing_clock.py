@@ -78,8 +78,8 @@ def test_every_node_says_that_its_clock_has_not_begun_and_hands_on_no_motion(gra
     processes = [graph.start(name, {
         **parameters, 'use_sim_time': True, 'diagnostics_rate': 5.0})
         for name, parameters in NODES.items()]
-    troubles = {}
-    graph.collect(DiagnosticArray, '/diagnostics', lambda message: troubles.update(
+    problems = {}
+    graph.collect(DiagnosticArray, '/diagnostics', lambda message: problems.update(
         {status.name: (status.level, status.message) for status in message.status}))
     outputs = [graph.collect(JointState, topic) for topic in (
         'wheel_rates', 'noisy_wheel_rates', 'joint_states')]
@@ -91,10 +91,10 @@ def test_every_node_says_that_its_clock_has_not_begun_and_hands_on_no_motion(gra
         commands.publish(twist(SPEED, 0.0))
         wheels.publish(JointState(name=JOINTS, velocity=[1.0, 1.0]))
         return (all(WAITING in process.output for process in processes)
-                and set(troubles) == {f'/{name}' for name in NODES})
+                and set(problems) == {f'/{name}' for name in NODES})
 
     graph.wait_for(told, 'all of them to say so')
-    for level, message in troubles.values():
+    for level, message in problems.values():
         assert level == DiagnosticStatus.WARN and WAITING in message
     own = [message for message in outputs[0] if message.header.frame_id]  # those of the controller
     assert own == outputs[1] == outputs[2] == odometry == []

@@ -99,8 +99,8 @@ def driven(odometry, messages, tick_ns=10 * MS, until_ns=None):
         time += tick_ns
         while messages and messages[0][0] <= time:
             arrival, sample = messages.pop(0)
-            odometry, _ = odometry.received(sample, arrival)
-        readings.append((time, odometry.at(time)))
+            odometry, _ = odometry.update(sample, arrival)
+        readings.append((time, odometry.predict(time)))
     return readings, odometry
 
 

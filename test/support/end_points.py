@@ -16,7 +16,8 @@
 
 import math
 
-from diffdrive_kinematics.core.calibration import odometry_at, segment_from_ticks, Systematic
+from diffdrive_kinematics.core.calibration import (
+    CalibrationParameters, odometry_at, segment_from_ticks)
 import numpy as np
 from recorded import TICKS_PER_TURN
 
@@ -36,6 +37,6 @@ def predicted_end(geometry, frame, segment):
     lever = np.stack([np.cos(theta) * frame.x - np.sin(theta) * frame.y,
                       np.sin(theta) * frame.x + np.cos(theta) * frame.y], axis=1)
     start, end = segment.reference[[0, -1], :2] - lever
-    x, y, _ = odometry_at(geometry, segment, Systematic())[-1]
+    x, y, _ = odometry_at(geometry, segment, CalibrationParameters())[-1]
     c, s = math.cos(theta[0]), math.sin(theta[0])
     return start + [c * x - s * y, s * x + c * y], end

@@ -22,7 +22,7 @@ calls their subscriptions back itself, so a message costs microseconds and its o
 from contextlib import contextmanager
 
 from diffdrive_kinematics.ros.runtime.clocks import SteppedClock
-from diffdrive_kinematics.ros.runtime.traffic import Traffic
+from diffdrive_kinematics.ros.runtime.in_flight_messages import InFlightMessages
 from domains import own_domain
 from graph import arguments
 import rclpy
@@ -38,7 +38,7 @@ class Inside:
     def __init__(self, make, name=None):
         self.clock = SteppedClock()
         self.clock.advance_to(START_NS)
-        shared = {'stepped': self.clock, 'traffic': Traffic()}
+        shared = {'stepped': self.clock, 'in_flight': InFlightMessages()}
         self.node = make(name, **shared) if name else make(**shared)
         self.said = {}
         self._heard = {

@@ -48,10 +48,10 @@ class Course:
         for _ in range(laps):
             for twist in self.twists:
                 drive, (told, *_) = drive.commanded(twist, now)
-                odometry, _ = odometry.received(
+                odometry, _ = odometry.update(
                     WheelSample(now, told.rates, told.angles, '/drive#1'), now)
                 now += PERIOD_NS
-        return odometry.at(now)
+        return odometry.predict(now)
 
     def exact(self, laps, start=(0.0, 0.0, 0.0)):
         """Return (x, y, theta) after some laps, as the commands say, with 50 digits."""

@@ -45,7 +45,7 @@ class Recording(NamedTuple):
     reference: np.ndarray
 
 
-class Systematic(NamedTuple):
+class CalibrationParameters(NamedTuple):
     """Multipliers of the wheels' travel, separation [m], frame [m, m, rad], clocks [s, s/s]."""
 
     left: float
@@ -177,7 +177,7 @@ def _weighted(recording, systematic):
     return (error / [POSITION_SIGMA, POSITION_SIGMA, HEADING_SIGMA]).ravel()
 
 
-NOMINAL = Systematic(1.0, 1.0, SEPARATION)
+NOMINAL = CalibrationParameters(1.0, 1.0, SEPARATION)
 
 
 def calibrated(recordings):
@@ -197,6 +197,7 @@ def _by_core(recordings, start, wheels, frame):
     segments = [segment_from_positions(*recording[1:]) for recording in recordings]
     fit = fit_trajectory(geometry, segments, wheels=wheels, clock=Clock.DRIFTS, frame=frame)
     corrected = fit.corrected(geometry)
-    return [Systematic(corrected.left_radius, corrected.right_radius, corrected.separation,
-                       *fit.frame, offset.value, drift.value)
+    return [CalibrationParameters(
+        corrected.left_radius, corrected.right_radius, corrected.separation, *fit.frame,
+        offset.value, drift.value)
             for offset, drift in zip(fit.offsets, fit.drifts)]

@@ -23,7 +23,8 @@ from diffdrive_kinematics.core.calibration.calibration_problem import (
     taken_by_fit, WHEELS)
 from diffdrive_kinematics.core.calibration.estimate import Estimate
 from diffdrive_kinematics.core.calibration.recording import (
-    Segment, segment_from_commands, segment_from_positions, segment_from_rates, segment_from_ticks)
+    RecordedDrive, segment_from_commands, segment_from_positions, segment_from_rates,
+    segment_from_ticks)
 from diffdrive_kinematics.core.calibration.segment_slip import fit_segment_slip, segment_windows
 from diffdrive_kinematics.core.calibration.slip_fit import (
     fit_reference_noise, fit_slip, nees_per_dof, NO_NOISE, ReferenceNoise, slip_window, SlipFit,
@@ -34,16 +35,17 @@ from diffdrive_kinematics.core.calibration.square_slip import slip_from_squares
 from diffdrive_kinematics.core.calibration.trajectory_fit import (
     Clock, COMMANDED, fit_trajectory, NO_FRAME, Residual, TrajectoryFit, Windows)
 from diffdrive_kinematics.core.calibration.trajectory_windows import (
-    Linearised, linearised, odometry_at, Systematic, windows_between, WindowSet)
+    CalibrationParameters, linearised, odometry_at, WindowResiduals, windows_between, WindowSet)
 from diffdrive_kinematics.core.calibration.umbmark import corrected, ReturnError, Umbmark, umbmark
 from diffdrive_kinematics.core.calibration.window_weights import (
     distance, score_covariance, START_VARIANCES, updated_variances, Variances, window_covariance,
     window_weights)
 
 __all__ = [
-    'COMMANDED', 'Clock', 'Column', 'Estimate', 'FRAME', 'Linearised', 'NO_FRAME', 'NO_NOISE',
+    'COMMANDED', 'Clock', 'Column', 'Estimate', 'FRAME', 'WindowResiduals', 'NO_FRAME', 'NO_NOISE',
     'Problem', 'ReferenceNoise', 'Residual', 'ReturnError', 'SAME_DRIVE', 'START_VARIANCES',
-    'Segment', 'SlipFit', 'SlipWindow', 'SquareAngles', 'Systematic', 'TrajectoryFit', 'Umbmark',
+    'RecordedDrive', 'SlipFit', 'SlipWindow', 'SquareAngles', 'CalibrationParameters',
+    'TrajectoryFit', 'Umbmark',
     'Variances', 'WHEELS', 'WindowSet', 'Windows', 'angles_of_runs', 'corrected', 'distance',
     'distances_of', 'fit_reference_noise', 'fit_segment_slip', 'fit_slip', 'fit_trajectory',
     'linearised', 'nees_per_dof', 'newton_step', 'odometry_at', 'ratios_of_angles',

@@ -22,9 +22,9 @@ clock), so each segment adds its part to the normal equations of Gauss and Newto
 from dataclasses import dataclass, replace
 from typing import List, NamedTuple, Optional, Sequence, Tuple
 
-from diffdrive_kinematics.core.calibration.recording import Segment
+from diffdrive_kinematics.core.calibration.recording import RecordedDrive
 from diffdrive_kinematics.core.calibration.trajectory_windows import (
-    Linearised, linearised, odometry_at, Systematic, WindowSet)
+    CalibrationParameters, linearised, odometry_at, WindowResiduals, WindowSet)
 from diffdrive_kinematics.core.calibration.window_weights import (
     distance, score_covariance, Variances, window_covariance)
 from diffdrive_kinematics.core.kinematics import WheelGeometry
@@ -41,9 +41,9 @@ Gain = Tuple[List[int], Array, Array]
 WHEELS = ('left_wheel_radius_multiplier', 'right_wheel_radius_multiplier',
           'wheel_separation_multiplier')
 FRAME = ('frame_x', 'frame_y', 'frame_yaw')
-FIELDS = Systematic._fields
+FIELDS = CalibrationParameters._fields
 STEP = np.array([0.05, 0.05, 0.1, 0.1, 0.1, 0.3, 0.1, 2e-3])
-"""Longest step of each field of Systematic in one iteration."""
+"""Longest step of each field of CalibrationParameters in one iteration."""
 LARGEST_ERROR = np.array([0.1, 0.1, 0.1, 0.05, 0.05, 0.2, 0.5, 0.1])
 """Standard error from which a field counts as not identified; frame x and y: in separations."""
 FINEST = Variances(1e-8, 1e-8, 1e-8)
@@ -62,7 +62,7 @@ class Column(NamedTuple):
     name : str
         What the user calls it.
     field : int
-        Index of its field of Systematic.
+        Index of its field of CalibrationParameters.
     segment : int or None
         Index of the segment that it belongs to; None: all of them.
 
@@ -87,13 +87,13 @@ class Problem:
     ----------
     geometry : WheelGeometry
         Where the fit starts.
-    segments : tuple of Segment
+    segments : tuple of RecordedDrive
         The drives.
     windows : tuple of WindowSet
         Windows of each drive, w in all.
     columns : tuple of Column
         The p parameters.
-    start : Systematic
+    start : CalibrationParameters
         Values to start from, and those of what is not fitted.
     trust : float
         Distance up to which a window counts in full [1].
@@ -107,12 +107,12 @@ class Problem:
     >>> stamps = np.arange(0.0, 60.0, 0.5)
     >>> rates = 8.0 + 4.0 * np.stack([np.sin(stamps), np.cos(0.7 * stamps)], axis=1)
     >>> bare = segment_from_rates(stamps, rates, stamps, np.zeros((120, 3)))
-    >>> truth = odometry_at(WheelGeometry(0.51, 0.125), bare, Systematic())
+    >>> truth = odometry_at(WheelGeometry(0.51, 0.125), bare, CalibrationParameters())
     >>> windows = windows_between(bare, (2.0, 10.0), every=0.5, tolerance=0.1)
     >>> problem = Problem(
     ...     WheelGeometry(0.5, 0.125), (replace(bare, reference=truth),), (windows,),
-    ...     (Column(WHEELS[2], 2, None),), Systematic(), trust=4.0)
-    >>> problem.mine(0), problem.as_the_wheels_tell().start == Systematic()
+    ...     (Column(WHEELS[2], 2, None),), CalibrationParameters(), trust=4.0)
+    >>> problem.mine(0), problem.as_the_wheels_tell().start == CalibrationParameters()
     (([0], [2]), True)
 
     Each step linearises anew:
@@ -139,13 +139,13 @@ class Problem:
     """
 
     geometry: WheelGeometry
-    segments: Tuple[Segment, ...]
+    segments: Tuple[RecordedDrive, ...]
     windows: Tuple[WindowSet, ...]
     columns: Tuple[Column, ...]
-    start: Systematic
+    start: CalibrationParameters
     trust: float
 
-    def systematics(self, values: Array) -> List[Systematic]:
+    def systematics(self, values: Array) -> List[CalibrationParameters]:
         """
         Return the systematic errors of each segment.
 
@@ -156,7 +156,7 @@ class Problem:
 
         Returns
         -------
-        list of Systematic
+        list of CalibrationParameters
             One for each segment.
 
         Examples
@@ -171,7 +171,7 @@ class Problem:
             found.append(self.start._replace(**mine))
         return found
 
-    def parts(self, values: Array) -> List[Linearised]:
+    def parts(self, values: Array) -> List[WindowResiduals]:
         """
         Return the linearised windows of each segment.
 
@@ -182,7 +182,7 @@ class Problem:
 
         Returns
         -------
-        list of Linearised
+        list of WindowResiduals
             One for each segment.
 
         Examples
@@ -229,7 +229,7 @@ class Problem:
         segments = tuple(
             replace(each, reference=odometry_at(self.geometry, each, self.start))
             for each in self.segments)
-        return replace(self, segments=segments, start=Systematic())
+        return replace(self, segments=segments, start=CalibrationParameters())
 
     def mine(self, segment: int) -> Tuple[List[int], List[int]]:
         """
@@ -245,7 +245,7 @@ class Problem:
         columns : list of int
             Indices of the columns.
         fields : list of int
-            Indices of their fields of Systematic.
+            Indices of their fields of CalibrationParameters.
 
         Examples
         --------
@@ -257,13 +257,13 @@ class Problem:
         return [n for n, _ in found], [field for _, field in found]
 
 
-def distances_of(parts: Sequence[Linearised], variances: Variances) -> Array:
+def distances_of(parts: Sequence[WindowResiduals], variances: Variances) -> Array:
     """
     Return ``sqrt(e^T P^-1 e)`` of all windows, those of the first segment first.
 
     Parameters
     ----------
-    parts : sequence of Linearised
+    parts : sequence of WindowResiduals
         Windows of each segment, w in all.
     variances : Variances
         Slip constant and noise of the reference.
@@ -289,7 +289,7 @@ def _split(problem: Problem, weights: Array) -> List[Array]:
 
 
 def _gains(
-        problem: Problem, parts: Sequence[Linearised], weights: Array, variances: Variances
+        problem: Problem, parts: Sequence[WindowResiduals], weights: Array, variances: Variances
 ) -> List[Gain]:
     """Return for each segment its columns, J, and the weighted ``J^T P^-1``."""
     found = []
@@ -311,7 +311,7 @@ def _information(
 
 
 def newton_step(
-        problem: Problem, parts: Sequence[Linearised], weights: Array, variances: Variances
+        problem: Problem, parts: Sequence[WindowResiduals], weights: Array, variances: Variances
 ) -> Tuple[Array, Array]:
     """
     Return the step of Gauss and Newton, shortened where it is long, and ``H^-1``.
@@ -320,7 +320,7 @@ def newton_step(
     ----------
     problem : Problem
         What is fitted to what.
-    parts : sequence of Linearised
+    parts : sequence of WindowResiduals
         Windows of each segment, at the present values.
     weights : numpy.ndarray, shape (w,)
         Weights of all windows.
@@ -358,7 +358,7 @@ def _inverse(information: Array) -> Array:
 
 
 def refuse_unidentified(
-        problem: Problem, parts: Sequence[Linearised], variances: Variances,
+        problem: Problem, parts: Sequence[WindowResiduals], variances: Variances,
         weights: Optional[Array] = None) -> None:
     """
     Raise where the standard error of a parameter is as large as the parameter may be.
@@ -370,7 +370,7 @@ def refuse_unidentified(
     ----------
     problem : Problem
         What is fitted to what.
-    parts : sequence of Linearised
+    parts : sequence of WindowResiduals
         Windows of each segment.
     variances : Variances
         Slip constant and noise of the reference.
@@ -410,7 +410,7 @@ def refuse_unidentified(
             f'ways, or these values given')
 
 
-def taken_by_fit(problem: Problem, parts: Sequence[Linearised], covariance: Array) -> Array:
+def taken_by_fit(problem: Problem, parts: Sequence[WindowResiduals], covariance: Array) -> Array:
     """
     Return what the fit takes out of the errors of each window, ``J C J^T``.
 
@@ -418,7 +418,7 @@ def taken_by_fit(problem: Problem, parts: Sequence[Linearised], covariance: Arra
     ----------
     problem : Problem
         What is fitted to what.
-    parts : sequence of Linearised
+    parts : sequence of WindowResiduals
         Windows of each segment, w in all.
     covariance : numpy.ndarray, shape (p, p)
         Covariance C of the parameters.
@@ -443,7 +443,7 @@ def taken_by_fit(problem: Problem, parts: Sequence[Linearised], covariance: Arra
 
 
 def sandwich(
-        problem: Problem, parts: Sequence[Linearised], weights: Array, variances: Variances
+        problem: Problem, parts: Sequence[WindowResiduals], weights: Array, variances: Variances
 ) -> Array:
     """
     Return the covariance ``H^-1 S H^-1`` of the parameters (Huber 1967; White 1980).
@@ -454,7 +454,7 @@ def sandwich(
     ----------
     problem : Problem
         What is fitted to what.
-    parts : sequence of Linearised
+    parts : sequence of WindowResiduals
         Windows of each segment, at the present values.
     weights : numpy.ndarray, shape (w,)
         Weights of all windows.

@@ -29,14 +29,14 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 __all__ = [
-    'Segment', 'segment_from_commands', 'segment_from_positions', 'segment_from_rates',
+    'RecordedDrive', 'segment_from_commands', 'segment_from_positions', 'segment_from_rates',
     'segment_from_ticks']
 
 Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Segment:
+class RecordedDrive:
     """
     Wheel angles and reference poses of one drive; made by the functions of this module.
 
@@ -69,7 +69,7 @@ class Segment:
     reference: Array
     duplicates: int = 0
 
-    def between(self, start: float, end: float) -> 'Segment':
+    def between(self, start: float, end: float) -> 'RecordedDrive':
         """
         Return the part of the segment between two times, both included.
 
@@ -80,7 +80,7 @@ class Segment:
 
         Returns
         -------
-        Segment
+        RecordedDrive
             Rows of the wheels and of the reference that lie there.
 
         Raises
@@ -105,7 +105,7 @@ class Segment:
 
 def segment_from_positions(
         time: ArrayLike, positions: ArrayLike, reference_time: ArrayLike,
-        reference: ArrayLike) -> Segment:
+        reference: ArrayLike) -> RecordedDrive:
     """
     Return the segment of wheel positions, as of a joint state.
 
@@ -124,7 +124,7 @@ def segment_from_positions(
 
     Returns
     -------
-    Segment
+    RecordedDrive
         Wheels and reference, yaw unwrapped.
 
     Raises
@@ -145,12 +145,12 @@ def segment_from_positions(
     stamps, angles, replaced = _series('time', time, 'positions', positions, 2)
     seen, poses, unseen = _series('reference_time', reference_time, 'reference', reference, 3)
     poses[:, 2] = np.unwrap(poses[:, 2])
-    return Segment(stamps, angles, seen, poses, replaced + unseen)
+    return RecordedDrive(stamps, angles, seen, poses, replaced + unseen)
 
 
 def segment_from_rates(
         time: ArrayLike, rates: ArrayLike, reference_time: ArrayLike,
-        reference: ArrayLike) -> Segment:
+        reference: ArrayLike) -> RecordedDrive:
     """
     Return the segment of wheel rates, each held until the next stamp.
 
@@ -167,7 +167,7 @@ def segment_from_rates(
 
     Returns
     -------
-    Segment
+    RecordedDrive
         Wheels, from angles of 0, and reference.
 
     Raises
@@ -191,7 +191,7 @@ def segment_from_rates(
 
 def segment_from_ticks(
         time: ArrayLike, ticks: ArrayLike, reference_time: ArrayLike, reference: ArrayLike, *,
-        ticks_per_turn: float) -> Segment:
+        ticks_per_turn: float) -> RecordedDrive:
     """
     Return the segment of encoder increments, each since the row before.
 
@@ -213,7 +213,7 @@ def segment_from_ticks(
 
     Returns
     -------
-    Segment
+    RecordedDrive
         Wheels and reference.
 
     Raises
@@ -237,7 +237,7 @@ def segment_from_ticks(
 
 def segment_from_commands(
         time: ArrayLike, twists: ArrayLike, reference_time: ArrayLike, reference: ArrayLike, *,
-        geometry: WheelGeometry) -> Segment:
+        geometry: WheelGeometry) -> RecordedDrive:
     """
     Return the segment of commanded twists, each held until the next stamp.
 
@@ -259,7 +259,7 @@ def segment_from_commands(
 
     Returns
     -------
-    Segment
+    RecordedDrive
         Wheels as commanded, from angles of 0, and reference.
 
     Raises
@@ -318,6 +318,6 @@ def _checked(
     return stamps, values
 
 
-def _counted(segment: Segment, replaced: int) -> Segment:
-    return Segment(segment.time, segment.angles, segment.reference_time, segment.reference,
-                   segment.duplicates + replaced)
+def _counted(segment: RecordedDrive, replaced: int) -> RecordedDrive:
+    return RecordedDrive(segment.time, segment.angles, segment.reference_time, segment.reference,
+                         segment.duplicates + replaced)

@@ -29,11 +29,12 @@ from dataclasses import replace
 import math
 from typing import List, Sequence, Tuple
 
-from diffdrive_kinematics.core.calibration.recording import Segment
+from diffdrive_kinematics.core.calibration.recording import RecordedDrive
 from diffdrive_kinematics.core.calibration.slip_fit import (
     Estimate, fit_slip, slip_window, SlipFit, SlipWindow)
 from diffdrive_kinematics.core.calibration.trajectory_fit import TrajectoryFit
-from diffdrive_kinematics.core.calibration.trajectory_windows import Systematic, windows_between
+from diffdrive_kinematics.core.calibration.trajectory_windows import (
+    CalibrationParameters, windows_between)
 from diffdrive_kinematics.core.calibration.window_weights import distance, REJECTED, Variances
 from diffdrive_kinematics.core.kinematics import Pose, WheelGeometry
 import numpy as np
@@ -47,8 +48,8 @@ FEWEST_GROUPS = 5
 
 
 def segment_windows(
-        geometry: WheelGeometry, segment: Segment, systematic: Systematic, length: float,
-        every: float, tolerance: float = 0.1) -> List[SlipWindow]:
+        geometry: WheelGeometry, segment: RecordedDrive, systematic: CalibrationParameters,
+        length: float, every: float, tolerance: float = 0.1) -> List[SlipWindow]:
     """
     Return the slip windows of one length of a segment, calibrated, in order.
 
@@ -56,9 +57,9 @@ def segment_windows(
     ----------
     geometry : WheelGeometry
         Geometry from which the calibration started.
-    segment : Segment
+    segment : RecordedDrive
         The drive.
-    systematic : Systematic
+    systematic : CalibrationParameters
         What is systematic about it.
     length, every, tolerance : float
         As of the windows of a calibration [s]; they do not overlap if ``every`` is above
@@ -75,7 +76,8 @@ def segment_windows(
     >>> stamps = np.arange(0.0, 10.5, 0.5)
     >>> poses = np.stack([stamps, 0.0 * stamps, 0.0 * stamps], axis=1)
     >>> drive = segment_from_rates(stamps, np.full((21, 2), 8.0), stamps, poses)
-    >>> len(segment_windows(WheelGeometry(0.5, 0.125), drive, Systematic(), length=2.0, every=2.5))
+    >>> len(segment_windows(
+    ...     WheelGeometry(0.5, 0.125), drive, CalibrationParameters(), length=2.0, every=2.5))
     4
 
     """
@@ -99,7 +101,7 @@ def segment_windows(
 
 
 def fit_segment_slip(
-        geometry: WheelGeometry, segments: Sequence[Segment], fit: TrajectoryFit, *,
+        geometry: WheelGeometry, segments: Sequence[RecordedDrive], fit: TrajectoryFit, *,
         lengths: Tuple[float, ...] = (2.0, 10.0), every: float = 1.0, equal: bool = True
 ) -> SlipFit:
     """
@@ -109,7 +111,7 @@ def fit_segment_slip(
     ----------
     geometry : WheelGeometry
         Geometry that :func:`.fit_trajectory` was given.
-    segments : sequence of Segment
+    segments : sequence of RecordedDrive
         Segments that it was given.
     fit : TrajectoryFit
         What it returned.
@@ -141,7 +143,8 @@ def fit_segment_slip(
     >>> rates = 8.0 + 4.0 * np.stack([np.sin(stamps), np.cos(0.7 * stamps)], axis=1)
     >>> bare = segment_from_rates(stamps, rates, stamps, np.zeros((120, 3)))
     >>> noise = np.random.default_rng(1).normal(0.0, 0.002, (120, 3))
-    >>> drive = replace(bare, reference=odometry_at(geometry, bare, Systematic()) + noise)
+    >>> drive = replace(
+    ...     bare, reference=odometry_at(geometry, bare, CalibrationParameters()) + noise)
     >>> fit = fit_trajectory(geometry, [drive], frame=Pose(0.0, 0.0, 0.0), clock=Clock.NONE)
     >>> f'{fit_segment_slip(geometry, [drive], fit).sigma_position.value:.3f} m'
     '0.002 m'
@@ -185,7 +188,7 @@ def _jackknifed(estimates: List[Estimate]) -> Estimate:
     return Estimate(estimates[0].value, error)
 
 
-def _centre(reference: Array, systematic: Systematic) -> Array:
+def _centre(reference: Array, systematic: CalibrationParameters) -> Array:
     """Return the poses of the robot's centre, shape (m, 3)."""
     theta = reference[:, 2] - systematic.yaw
     cosine, sine = np.cos(theta), np.sin(theta)
@@ -193,7 +196,7 @@ def _centre(reference: Array, systematic: Systematic) -> Array:
                      reference[:, 1] - sine * systematic.x - cosine * systematic.y, theta], axis=1)
 
 
-def _angles(segment: Segment, start: float, end: float) -> Array:
+def _angles(segment: RecordedDrive, start: float, end: float) -> Array:
     """Return the wheel angles at two stamps and all between, interpolated at the two."""
     inside = segment.angles[(segment.time > start) & (segment.time < end)]
     first, last = (np.array([np.interp(stamp, segment.time, wheel) for wheel in segment.angles.T])

@@ -34,10 +34,10 @@ from typing import List, NamedTuple, Optional, Sequence, Tuple
 from diffdrive_kinematics.core.calibration.calibration_problem import (
     Column, distances_of, FRAME, newton_step, Problem, refuse_unidentified, SAME_DRIVE, sandwich,
     taken_by_fit, WHEELS)
-from diffdrive_kinematics.core.calibration.recording import Segment
+from diffdrive_kinematics.core.calibration.recording import RecordedDrive
 from diffdrive_kinematics.core.calibration.slip_fit import Estimate
 from diffdrive_kinematics.core.calibration.trajectory_windows import (
-    Linearised, Systematic, windows_between)
+    CalibrationParameters, WindowResiduals, windows_between)
 from diffdrive_kinematics.core.calibration.window_weights import (
     MEDIAN, START_VARIANCES, updated_variances, Variances, window_weights)
 from diffdrive_kinematics.core.kinematics import check_finite, check_positive, Pose, WheelGeometry
@@ -233,7 +233,7 @@ class TrajectoryFit:
             geometry,
             **{name: getattr(geometry, name) * getattr(self, name).value for name in WHEELS})
 
-    def systematic(self, segment: int) -> Systematic:
+    def systematic(self, segment: int) -> CalibrationParameters:
         """
         Return what is systematic about a segment, relative to the geometry of the fit.
 
@@ -244,7 +244,7 @@ class TrajectoryFit:
 
         Returns
         -------
-        Systematic
+        CalibrationParameters
             Factors, frame and clock, without errors.
 
         Examples
@@ -253,13 +253,14 @@ class TrajectoryFit:
 
         """
         fields = (*WHEELS, *FRAME)
-        values = dict(zip(Systematic._fields, (getattr(self, name).value for name in fields)))
-        return Systematic(
+        values = dict(zip(
+            CalibrationParameters._fields, (getattr(self, name).value for name in fields)))
+        return CalibrationParameters(
             **values, offset=self.offsets[segment].value, drift=self.drifts[segment].value)
 
 
 def fit_trajectory(
-        geometry: WheelGeometry, segments: Sequence[Segment], *, wheels: bool = True,
+        geometry: WheelGeometry, segments: Sequence[RecordedDrive], *, wheels: bool = True,
         mean_radius: bool = True, clock: Clock = Clock.OFFSETS, frame: Optional[Pose] = None,
         windows: Windows = Windows()) -> TrajectoryFit:
     """
@@ -272,7 +273,7 @@ def fit_trajectory(
     ----------
     geometry : WheelGeometry
         Where the fit starts; true sizes within some 20 %.
-    segments : sequence of Segment
+    segments : sequence of RecordedDrive
         Drives of one robot with one mounting of the reference.
     wheels : bool
         Fit the wheels, instead of taking the geometry as it is.
@@ -307,7 +308,7 @@ def fit_trajectory(
     >>> geometry, stamps = WheelGeometry(0.5, 0.125), np.arange(0.0, 60.0, 0.5)
     >>> rates = 8.0 + 4.0 * np.stack([np.sin(stamps), np.cos(0.7 * stamps)], axis=1)
     >>> bare = segment_from_rates(stamps, rates, stamps, np.zeros((120, 3)))
-    >>> truth = odometry_at(WheelGeometry(0.51, 0.125), bare, Systematic())
+    >>> truth = odometry_at(WheelGeometry(0.51, 0.125), bare, CalibrationParameters())
     >>> fit = fit_trajectory(
     ...     geometry, [replace(bare, reference=truth)], frame=NO_FRAME, clock=Clock.NONE)
     >>> f'{fit.systematic(0).separation:.3f}, {fit.corrected(geometry).separation:.3f} m'
@@ -346,13 +347,13 @@ class _State(NamedTuple):
     """Where the iteration stands."""
 
     values: Array
-    parts: List[Linearised]
+    parts: List[WindowResiduals]
     weights: Array
     variances: Variances
 
 
 def _problem(
-        geometry: WheelGeometry, segments: Sequence[Segment], wheels: bool, clock: Clock,
+        geometry: WheelGeometry, segments: Sequence[RecordedDrive], wheels: bool, clock: Clock,
         frame: Optional[Pose], windows: Windows) -> Problem:
     if not segments:
         raise ValueError('segments is empty, expected at least one segment')
@@ -384,7 +385,7 @@ def _problem(
             f'there are {number} windows with motion and a reference at both ends for '
             f'{len(columns)} parameters ({sum(each.in_gaps for each in chosen)} in gaps), '
             f'expected at least {math.ceil(2 * len(columns) / 3) + 2}')
-    start = Systematic(x=held[0], y=held[1], yaw=held[2])
+    start = CalibrationParameters(x=held[0], y=held[1], yaw=held[2])
     return Problem(geometry, tuple(segments), chosen, tuple(columns), start, windows.trust)
 
 
@@ -446,12 +447,12 @@ def _steps(problem: Problem, state: _State) -> _State:
         f'nearer to the truth')
 
 
-def _cost(parts: Sequence[Linearised], weights: Array, variances: Variances) -> float:
+def _cost(parts: Sequence[WindowResiduals], weights: Array, variances: Variances) -> float:
     """Return the weighted sum of squared distances."""
     return float(weights @ distances_of(parts, variances)**2)
 
 
-def _residual(parts: Sequence[Linearised], weights: Array) -> Residual:
+def _residual(parts: Sequence[WindowResiduals], weights: Array) -> Residual:
     squares = weights[:, None] * np.concatenate([part.error for part in parts])**2
     mean = squares.sum(axis=0) / weights.sum()
     return Residual(math.sqrt(mean[0] + mean[1]), math.sqrt(mean[2]))

@@ -30,19 +30,21 @@ windows are differences of a few cumulative sums.
 from dataclasses import dataclass
 from typing import NamedTuple, Sequence, Tuple
 
-from diffdrive_kinematics.core.calibration.recording import Segment
+from diffdrive_kinematics.core.calibration.recording import RecordedDrive
 from diffdrive_kinematics.core.kinematics import WheelGeometry, wrap_angle
-from diffdrive_kinematics.core.noise import rotations, swings
+from diffdrive_kinematics.core.noise import pose_jacobians, rotations
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ['Linearised', 'Systematic', 'WindowSet', 'linearised', 'odometry_at', 'windows_between']
+__all__ = [
+    'CalibrationParameters', 'WindowResiduals', 'WindowSet', 'linearised', 'odometry_at',
+    'windows_between']
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
 
-class Systematic(NamedTuple):
+class CalibrationParameters(NamedTuple):
     """
     What is systematic about one segment.
 
@@ -62,7 +64,7 @@ class Systematic(NamedTuple):
 
     Examples
     --------
-    >>> Systematic(separation=1.02).left
+    >>> CalibrationParameters(separation=1.02).left
     1.0
 
     """
@@ -100,7 +102,7 @@ class WindowSet(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Linearised:
+class WindowResiduals:
     """
     Errors of the windows of a segment, and what moves them; w windows, n - 1 wheel intervals.
 
@@ -109,7 +111,7 @@ class Linearised:
     error : numpy.ndarray, shape (w, 3)
         Errors (x [m], y [m], theta [rad]).
     jacobian : numpy.ndarray, shape (w, 3, 8)
-        Derivatives with respect to the fields of :class:`Systematic`.
+        Derivatives with respect to the fields of :class:`CalibrationParameters`.
     slip : numpy.ndarray, shape (w, 3, 3)
         A_l + A_r: covariance for a slip constant of 1 m.
     at_start, at_end : numpy.ndarray, shape (w, 3, 3)
@@ -169,7 +171,8 @@ class _Nodes(NamedTuple):
 
 
 def windows_between(
-        segment: Segment, lengths: Sequence[float], every: float, tolerance: float) -> WindowSet:
+        segment: RecordedDrive, lengths: Sequence[float], every: float, tolerance: float
+) -> WindowSet:
     """
     Return windows of some lengths that start at even times.
 
@@ -179,7 +182,7 @@ def windows_between(
 
     Parameters
     ----------
-    segment : Segment
+    segment : RecordedDrive
         Wheels and reference of one drive.
     lengths : sequence of float
         Lengths of the windows [s].
@@ -222,7 +225,9 @@ def windows_between(
     return WindowSet(start[moving], end[moving], lost)
 
 
-def odometry_at(geometry: WheelGeometry, segment: Segment, systematic: Systematic) -> Array:
+def odometry_at(
+        geometry: WheelGeometry, segment: RecordedDrive, systematic: CalibrationParameters
+) -> Array:
     """
     Return what odometry says at the samples of the reference, from (0, 0, 0).
 
@@ -230,9 +235,9 @@ def odometry_at(geometry: WheelGeometry, segment: Segment, systematic: Systemati
     ----------
     geometry : WheelGeometry
         Size and spacing of the wheels.
-    segment : Segment
+    segment : RecordedDrive
         Wheels, and stamps of the m samples.
-    systematic : Systematic
+    systematic : CalibrationParameters
         Factors on the geometry, and the clocks; the reference's frame does not matter.
 
     Returns
@@ -245,7 +250,7 @@ def odometry_at(geometry: WheelGeometry, segment: Segment, systematic: Systemati
     >>> from diffdrive_kinematics.core.calibration import segment_from_rates
     >>> stamps = np.arange(5.0)
     >>> drive = segment_from_rates(stamps, np.full((5, 2), 8.0), stamps, np.zeros((5, 3)))
-    >>> odometry_at(WheelGeometry(0.5, 0.125), drive, Systematic())[:, 0].round(6)
+    >>> odometry_at(WheelGeometry(0.5, 0.125), drive, CalibrationParameters())[:, 0].round(6)
     array([0., 1., 2., 3., 4.])
 
     """
@@ -254,8 +259,8 @@ def odometry_at(geometry: WheelGeometry, segment: Segment, systematic: Systemati
 
 
 def linearised(
-        geometry: WheelGeometry, segment: Segment, windows: WindowSet,
-        systematic: Systematic) -> Linearised:
+        geometry: WheelGeometry, segment: RecordedDrive, windows: WindowSet,
+        systematic: CalibrationParameters) -> WindowResiduals:
     """
     Return the errors of windows and their derivatives, for the systematic errors given.
 
@@ -263,16 +268,16 @@ def linearised(
     ----------
     geometry : WheelGeometry
         Size and spacing of the wheels.
-    segment : Segment
+    segment : RecordedDrive
         Wheels and reference of one drive.
     windows : WindowSet
         Its windows.
-    systematic : Systematic
+    systematic : CalibrationParameters
         Where to linearise.
 
     Returns
     -------
-    Linearised
+    WindowResiduals
         Errors and derivatives of each window.
 
     Examples
@@ -283,7 +288,7 @@ def linearised(
     >>> stamps = np.arange(3.0)
     >>> drive = segment_from_rates(stamps, np.full((3, 2), 8.0), stamps, np.zeros((3, 3)))
     >>> windows = windows_between(drive, (1.0,), every=1.0, tolerance=0.1)
-    >>> part = linearised(WheelGeometry(0.5, 0.125), drive, windows, Systematic())
+    >>> part = linearised(WheelGeometry(0.5, 0.125), drive, windows, CalibrationParameters())
     >>> part.error[:, 0].round(6), part.noise().shape
     (array([-1., -1.]), (2, 2, 3, 3))
 
@@ -299,7 +304,7 @@ def linearised(
                       elements[:, 1] * (travel[:, 1:] / systematic.right),
                       pivot * (-turn / systematic.separation)[:, None]], axis=2)
     spread = np.einsum('nw,nwi,nwj->nij', np.abs(travel), elements, elements)
-    along = rotations(-nodes.pose[start, 2]) @ swings(*nodes.pose[end, :2].T)
+    along = rotations(-nodes.pose[start, 2]) @ pose_jacobians(*nodes.pose[end, :2].T)
     by_wheels = along @ _sums(moves, nodes, start, end)
     slip = along @ _sums(spread, nodes, start, end) @ along.transpose(0, 2, 1)
     wheels, back = _relative(nodes.pose, start, end)
@@ -312,8 +317,8 @@ def linearised(
     error[:, 2] = wrap_angle(error[:, 2])
     jacobian = np.concatenate(
         [-by_wheels, by_frame, by_time[..., None], by_drift[..., None]], axis=2)
-    return Linearised(error, jacobian, slip, at_start, at_end, along, elements, travel,
-                      nodes.interval[start], nodes.interval[end])
+    return WindowResiduals(error, jacobian, slip, at_start, at_end, along, elements, travel,
+                           nodes.interval[start], nodes.interval[end])
 
 
 def _nearest(stamps: Array, wanted: Array) -> Indices:
@@ -321,7 +326,7 @@ def _nearest(stamps: Array, wanted: Array) -> Indices:
     return after - (wanted - stamps[after - 1] <= stamps[after] - wanted)
 
 
-def _travel(geometry: WheelGeometry, segment: Segment, systematic: Systematic
+def _travel(geometry: WheelGeometry, segment: RecordedDrive, systematic: CalibrationParameters
             ) -> Tuple[Array, float]:
     radii = [geometry.left_radius * systematic.left, geometry.right_radius * systematic.right]
     return (np.diff(segment.angles, axis=0) * radii,
@@ -340,8 +345,8 @@ def _path(travel: Array, separation: float) -> Array:
 
 
 def _at_nodes(
-        segment: Segment, systematic: Systematic, travel: Array, separation: float,
-        path: Array) -> _Nodes:
+        segment: RecordedDrive, systematic: CalibrationParameters, travel: Array,
+        separation: float, path: Array) -> _Nodes:
     """Return odometry at the reference's samples: a part of the arc in which each one falls."""
     middle = 0.5 * (segment.time[0] + segment.time[-1])
     time = (segment.reference_time - systematic.offset
@@ -396,7 +401,7 @@ def _moved(
 
 
 def _reference(
-        reference: Array, systematic: Systematic, start: Indices, end: Indices
+        reference: Array, systematic: CalibrationParameters, start: Indices, end: Indices
 ) -> Tuple[Array, Array, Array, Array]:
     """Return relative poses of the centre, and derivatives by frame, start and end."""
     body = reference - [0.0, 0.0, systematic.yaw]

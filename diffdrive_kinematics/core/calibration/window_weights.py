@@ -30,7 +30,7 @@ S is known, and that of the parameters is the sandwich ``H^-1 S H^-1``, ``H = su
 
 from typing import NamedTuple, Sequence
 
-from diffdrive_kinematics.core.calibration.trajectory_windows import Linearised, WindowSet
+from diffdrive_kinematics.core.calibration.trajectory_windows import WindowResiduals, WindowSet
 import numpy as np
 from numpy.typing import NDArray
 
@@ -73,9 +73,9 @@ class Variances(NamedTuple):
     >>> bare = segment_from_rates(stamps, np.full((500, 2), 8.0), stamps, np.zeros((500, 3)))
     >>> noise = np.random.default_rng(1).normal(0.0, 0.01, (500, 3))
     >>> drive = replace(
-    ...     bare, reference=tw.odometry_at(geometry, bare, tw.Systematic()) + noise)
+    ...     bare, reference=tw.odometry_at(geometry, bare, tw.CalibrationParameters()) + noise)
     >>> windows = tw.windows_between(drive, (1.0,), every=1.0, tolerance=0.1)
-    >>> part = tw.linearised(geometry, drive, windows, tw.Systematic())
+    >>> part = tw.linearised(geometry, drive, windows, tw.CalibrationParameters())
     >>> covariance = window_covariance(part, START_VARIANCES)
     >>> nothing = np.zeros_like(covariance)  # no parameter has been fitted
     >>> found = updated_variances(
@@ -83,7 +83,7 @@ class Variances(NamedTuple):
     >>> f'{found.position**0.5:.2f} m, {found.heading**0.5:.2f} rad'
     '0.01 m, 0.01 rad'
 
-    What the separation, third of the fields of Systematic, makes of the score:
+    What the separation, third of the fields of CalibrationParameters, makes of the score:
 
     >>> gain = np.linalg.solve(covariance, part.jacobian[:, :, 2:3]).transpose(0, 2, 1)
     >>> score_covariance(part, windows, gain, found, samples=500).shape
@@ -101,13 +101,13 @@ FLOOR = Variances(1e-14, 1e-12, 1e-12)
 """Least variances, so that exact data do not make P singular."""
 
 
-def window_covariance(part: Linearised, variances: Variances) -> Array:
+def window_covariance(part: WindowResiduals, variances: Variances) -> Array:
     """
     Return the covariance P of the error of each window.
 
     Parameters
     ----------
-    part : Linearised
+    part : WindowResiduals
         The w windows of one segment.
     variances : Variances
         Slip constant and noise of the reference.
@@ -183,7 +183,7 @@ def window_weights(distances: Array, trust: float) -> Array:
 
 
 def updated_variances(
-        parts: Sequence[Linearised], distances: Array, taken: Array, variances: Variances,
+        parts: Sequence[WindowResiduals], distances: Array, taken: Array, variances: Variances,
         steps: int) -> Variances:
     """
     Return the variances after some steps towards those of greatest likelihood.
@@ -194,7 +194,7 @@ def updated_variances(
 
     Parameters
     ----------
-    parts : sequence of Linearised
+    parts : sequence of WindowResiduals
         Windows of each segment, w in all.
     distances : numpy.ndarray, shape (w,)
         Distances of the windows [1]; they tell which ones are credible.
@@ -240,14 +240,14 @@ def _least_noise(error: Array, slip: Array) -> Array:
 
 
 def score_covariance(
-        part: Linearised, windows: WindowSet, gain: Array, variances: Variances,
+        part: WindowResiduals, windows: WindowSet, gain: Array, variances: Variances,
         samples: int) -> Array:
     """
     Return the covariance S of the score ``sum J^T P^-1 e`` of one segment.
 
     Parameters
     ----------
-    part : Linearised
+    part : WindowResiduals
         The w windows of the segment.
     windows : WindowSet
         Rows at which they start and end.

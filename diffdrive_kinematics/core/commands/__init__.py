@@ -22,7 +22,7 @@ the command from where the robot is: :class:`HeadingRegulator`, :class:`PointFor
 """
 
 from diffdrive_kinematics.core.commands.drive import (
-    Drive, DriveSettings, DriveTelling, STILL, Twist)
+    Drive, DriveSettings, STILL, Twist, WheelCommand)
 from diffdrive_kinematics.core.commands.easing import eased, largest_change
 from diffdrive_kinematics.core.commands.limits import AxisLimits
 from diffdrive_kinematics.core.commands.playback import (
@@ -37,7 +37,7 @@ from diffdrive_kinematics.core.commands.steering import (
     Approach, HeadingRegulator, Law, PointForward, Steered, SteeringLimits)
 
 __all__ = [
-    'Approach', 'AxisLimits', 'Course', 'Drive', 'DriveSettings', 'DriveTelling',
+    'Approach', 'AxisLimits', 'Course', 'Drive', 'DriveSettings', 'WheelCommand',
     'HeadingRegulator', 'Law', 'PointForward', 'Points', 'PoseController', 'PurePursuit',
     'Pursued', 'QUARTER', 'RampStep', 'STILL', 'SaturatedRates', 'Steered', 'SteeringLimits',
     'TimedTwist', 'Twist', 'WheelBound', 'course_from_commands', 'course_from_recording', 'eased',

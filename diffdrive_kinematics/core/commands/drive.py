@@ -33,7 +33,7 @@ from diffdrive_kinematics.core.kinematics import (
     check_duration, check_rate, is_sane, LARGEST, RunningSum, wheel_rates_from_twist,
     WheelGeometry)
 
-__all__ = ['Drive', 'DriveSettings', 'DriveTelling', 'STILL', 'Twist']
+__all__ = ['Drive', 'DriveSettings', 'WheelCommand', 'STILL', 'Twist']
 
 NANOSECONDS = 1e9
 
@@ -125,7 +125,7 @@ class DriveSettings:
         return max(1, round(NANOSECONDS / self.publish_rate))
 
 
-class DriveTelling(NamedTuple):
+class WheelCommand(NamedTuple):
     """
     What to tell at a time.
 
@@ -142,7 +142,7 @@ class DriveTelling(NamedTuple):
 
     Examples
     --------
-    >>> DriveTelling(0, rates=(4.0, 4.0), angles=(0.0, 0.0), twist=Twist(0.5, 0.0)).twist.v
+    >>> WheelCommand(0, rates=(4.0, 4.0), angles=(0.0, 0.0), twist=Twist(0.5, 0.0)).twist.v
     0.5
 
     """
@@ -188,7 +188,7 @@ class Drive(NamedTuple):
     >>> drive, changes = Drive(settings, since_ns=0).commanded(Twist(0.5, 1.0), 1_000_000_000)
     >>> changes[0].stamp_ns, changes[0].rates
     (1000000000, (2.0, 6.0))
-    >>> drive.told(1_250_000_000).angles
+    >>> drive.command_at(1_250_000_000).angles
     (0.5, 1.5)
     >>> drive, changes = drive.advanced(2_000_000_000)
     >>> changes[0].stamp_ns, changes[0].rates, changes[0].angles
@@ -210,7 +210,7 @@ class Drive(NamedTuple):
     limited: int = 0
     timeouts: int = 0
 
-    def commanded(self, target: Twist, stamp_ns: int) -> Tuple['Drive', List[DriveTelling]]:
+    def commanded(self, target: Twist, stamp_ns: int) -> Tuple['Drive', List[WheelCommand]]:
         """
         Return the drive after a command that holds from ``stamp_ns``, and the changes.
 
@@ -228,7 +228,7 @@ class Drive(NamedTuple):
         -------
         drive : Drive
             The drive after the command.
-        changes : list of DriveTelling
+        changes : list of WheelCommand
             The changes on the way, in order of time.
 
         Raises
@@ -255,7 +255,7 @@ class Drive(NamedTuple):
             changes += change
         return drive, changes
 
-    def advanced(self, now_ns: int) -> Tuple['Drive', List[DriveTelling]]:
+    def advanced(self, now_ns: int) -> Tuple['Drive', List[WheelCommand]]:
         """
         Return the drive at a time and the changes due until then, ramps and watchdog.
 
@@ -268,7 +268,7 @@ class Drive(NamedTuple):
         -------
         drive : Drive
             The drive at the time.
-        changes : list of DriveTelling
+        changes : list of WheelCommand
             The changes on the way, in order of time.
 
         Examples
@@ -277,7 +277,7 @@ class Drive(NamedTuple):
 
         """
         drive: Drive = self
-        changes: List[DriveTelling] = []
+        changes: List[WheelCommand] = []
         while True:
             event = _earlier(drive.deadline_ns, drive.step_ns)
             if event is None or event > now_ns:
@@ -291,7 +291,7 @@ class Drive(NamedTuple):
             drive, change = drive._stepped(max(event, drive.since_ns + 1))
             changes += change
 
-    def told(self, now_ns: int) -> DriveTelling:
+    def command_at(self, now_ns: int) -> WheelCommand:
         """
         Return what holds at a time (at the last change where that is later).
 
@@ -302,7 +302,7 @@ class Drive(NamedTuple):
 
         Returns
         -------
-        DriveTelling
+        WheelCommand
             Wheel rates, angles and twist.
 
         Examples
@@ -312,10 +312,10 @@ class Drive(NamedTuple):
         """
         stamp = max(now_ns, self.since_ns)
         left, right = self._angles(stamp)
-        return DriveTelling(stamp, self.rates, (left.value, right.value), self.twist)
+        return WheelCommand(stamp, self.rates, (left.value, right.value), self.twist)
 
     def configured(
-            self, settings: DriveSettings, now_ns: int) -> Tuple['Drive', List[DriveTelling]]:
+            self, settings: DriveSettings, now_ns: int) -> Tuple['Drive', List[WheelCommand]]:
         """
         Return the drive under new settings from ``now_ns`` on: the same target anew.
 
@@ -332,7 +332,7 @@ class Drive(NamedTuple):
         -------
         drive : Drive
             The drive under them.
-        changes : list of DriveTelling
+        changes : list of WheelCommand
             The changes on the way, in order of time.
 
         Examples
@@ -405,8 +405,8 @@ class Drive(NamedTuple):
         --------
         >>> drive = Drive(DriveSettings(WheelGeometry(0.5, 0.125)), since_ns=0)
         >>> drive, _ = drive.commanded(Twist(0.5, 0.0), 1_000_000_000)
-        >>> telling = drive.halted(1_250_000_000).told(1_500_000_000)
-        >>> telling.rates, telling.angles
+        >>> command = drive.halted(1_250_000_000).command_at(1_500_000_000)
+        >>> command.rates, command.angles
         ((0.0, 0.0), (1.0, 1.0))
 
         """
@@ -441,7 +441,7 @@ class Drive(NamedTuple):
             deadline_ns=None if self.deadline_ns is None else self.deadline_ns + step_ns,
             step_ns=None if self.step_ns is None else self.step_ns + step_ns)
 
-    def _stepped(self, time_ns: int) -> Tuple['Drive', List[DriveTelling]]:
+    def _stepped(self, time_ns: int) -> Tuple['Drive', List[WheelCommand]]:
         """Take one step towards the target at ``time_ns``; without ramps it gets there."""
         settings = self.settings
         allowed = Twist(settings.linear.limit_velocity(self.target.v),
@@ -468,11 +468,11 @@ class Drive(NamedTuple):
 
     def _turning(
             self, rates: Tuple[float, float],
-            time_ns: int) -> Tuple['Drive', List[DriveTelling]]:
+            time_ns: int) -> Tuple['Drive', List[WheelCommand]]:
         """Return the drive with other wheel rates from ``time_ns`` on, and the change."""
         left, right = self._angles(time_ns)
         drive = self._replace(since_ns=time_ns, rates=rates, left=left, right=right)
-        return drive, [drive.told(time_ns)]
+        return drive, [drive.command_at(time_ns)]
 
     def _with_new_timeout(self, now_ns: int) -> 'Drive':
         """Let the live command end a new timeout from now on, or earlier where it did before."""
@@ -494,7 +494,7 @@ class Drive(NamedTuple):
         return self._replace(
             before=before, step_ns=max(now_ns, self.step_ns - old_period_ns + period_ns))
 
-    def _on_new_wheels(self, time_ns: int) -> Tuple['Drive', List[DriveTelling]]:
+    def _on_new_wheels(self, time_ns: int) -> Tuple['Drive', List[WheelCommand]]:
         """Hold new wheels at once: a twist beyond their bound is cut, and ramps on from there."""
         twist, rates, factor = self._saturated(self.twist)
         drive = self

@@ -29,7 +29,7 @@ from diffdrive_kinematics.core.commands.saturation import WheelBound
 
 __all__ = ['RampStep', 'ramp_step']
 
-Pair = Tuple[float, float]
+WheelPair = Tuple[float, float]
 
 
 class RampStep(NamedTuple):
@@ -57,7 +57,7 @@ class RampStep(NamedTuple):
 
 
 def ramp_step(
-        goal: Pair, *, current: Pair, before: Pair, dt: float, linear: AxisLimits,
+        goal: WheelPair, *, current: WheelPair, before: WheelPair, dt: float, linear: AxisLimits,
         angular: AxisLimits, bound: Optional[WheelBound]) -> RampStep:
     """
     Return the twist a step after ``current`` on the way to ``goal``.
@@ -120,7 +120,7 @@ def ramp_step(
     return RampStep(v_next, w_next, held_back)
 
 
-def _aim(goal: float, current: float, room: Pair) -> float:
+def _aim(goal: float, current: float, room: WheelPair) -> float:
     """Return what is nearest to the goal in the room, or the current value; never a way back."""
     aim = min(max(goal, room[0]), room[1])
     return aim if min(current, goal) <= aim <= max(current, goal) else current

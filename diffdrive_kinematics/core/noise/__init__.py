@@ -27,7 +27,7 @@ from diffdrive_kinematics.core.noise.covariance import (
 from diffdrive_kinematics.core.noise.covariance_along import covariance_along
 from diffdrive_kinematics.core.noise.distributions import (
     check_distribution, DISTRIBUTIONS, draw_unit, heading_variance, sample_heading, unit_bound)
-from diffdrive_kinematics.core.noise.matrices import rotations, swings
+from diffdrive_kinematics.core.noise.matrices import pose_jacobians, rotations
 from diffdrive_kinematics.core.noise.noise import (
     effective_ratio, sample_travel, SLIP_MODELS, travel_variance, WheelSlip)
 from diffdrive_kinematics.core.noise.outline import area, outer_boundary, perimeter, simplified
@@ -47,6 +47,6 @@ __all__ = [
     'moved_covariance', 'outer_boundary', 'perimeter', 'planar_covariance', 'planar_pose',
     'polynomial', 'projected', 'propagate', 'propagated_covariance', 'reachable_set',
     'reachable_set_from_slip', 'rotations', 'sample_heading', 'sample_paths', 'sample_travel',
-    'simplified', 'slip_covariance', 'stage_from_slip', 'step_noise', 'swings',
+    'simplified', 'slip_covariance', 'stage_from_slip', 'step_noise', 'pose_jacobians',
     'travel_of_command', 'travel_variance', 'twist_covariance', 'unit_bound', 'with_pivots_joined',
     'yaw_from_quaternion']

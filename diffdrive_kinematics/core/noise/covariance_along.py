@@ -24,7 +24,7 @@ from typing import Tuple
 from diffdrive_kinematics.core.kinematics import Pose, pose_change_from_travel, sinc, WheelGeometry
 from diffdrive_kinematics.core.noise.covariance import (
     E_MEAN, E_SQUARE, polynomial, SERIES_END, SINE_SQUARE)
-from diffdrive_kinematics.core.noise.matrices import rotations, swings
+from diffdrive_kinematics.core.noise.matrices import pose_jacobians, rotations
 import numpy as np
 from numpy.typing import NDArray
 
@@ -68,7 +68,7 @@ def covariance_along(geometry: WheelGeometry, travel: Array) -> Tuple[Pose, Arra
     way, chord = theta - half, distance * sinc(half)
     x, y = np.cumsum(chord * np.cos(way)), np.cumsum(chord * np.sin(way))
     added = _added(geometry.separation, travel, chord, half)
-    onward = swings(x[-1] - x, y[-1] - y) @ rotations(way)
+    onward = pose_jacobians(x[-1] - x, y[-1] - y) @ rotations(way)
     gathered: Array = np.einsum('nij,nwjk,nlk->wil', onward, added, onward, optimize=True)
     return Pose(float(x[-1]), float(y[-1]), float(theta[-1])), gathered
 

@@ -17,7 +17,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ['rotations', 'swings']
+__all__ = ['rotations', 'pose_jacobians']
 
 Array = NDArray[np.float64]
 
@@ -42,14 +42,14 @@ def rotations(angle: Array) -> Array:
     array([[0. , 1. , 0.2]])
 
     """
-    matrix = swings(np.zeros(len(angle)), np.zeros(len(angle)))
+    matrix = pose_jacobians(np.zeros(len(angle)), np.zeros(len(angle)))
     matrix[:, 0, 0] = matrix[:, 1, 1] = np.cos(angle)
     matrix[:, 1, 0] = np.sin(angle)
     matrix[:, 0, 1] = -matrix[:, 1, 0]
     return matrix
 
 
-def swings(x: Array, y: Array) -> Array:
+def pose_jacobians(x: Array, y: Array) -> Array:
     """
     Return how errors of a pose grow along motions that follow.
 
@@ -70,7 +70,7 @@ def swings(x: Array, y: Array) -> Array:
     --------
     An error of 0.01 rad at the start of 5 m along x is one of 0.05 m in y at their end:
 
-    >>> swings(np.array([5.0]), np.array([0.0])) @ [0.0, 0.0, 0.01]
+    >>> pose_jacobians(np.array([5.0]), np.array([0.0])) @ [0.0, 0.0, 0.01]
     array([[0.  , 0.05, 0.01]])
 
     """

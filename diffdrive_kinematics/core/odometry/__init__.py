@@ -24,7 +24,7 @@ from diffdrive_kinematics.core.odometry.encoders import Encoder, PositionTrack, 
 from diffdrive_kinematics.core.odometry.frames import composed, inverted, OdometryHistory
 from diffdrive_kinematics.core.odometry.joint_assembly import Assembled, Assembly, JointReading
 from diffdrive_kinematics.core.odometry.measured_wheels import MeasuredWheels
-from diffdrive_kinematics.core.odometry.odometry import BaseReading, Odometry
+from diffdrive_kinematics.core.odometry.odometry import BaseState, Odometry
 from diffdrive_kinematics.core.odometry.rate_window import RateWindow
 from diffdrive_kinematics.core.odometry.sender_clock import SenderClock, tolerance_of
 from diffdrive_kinematics.core.odometry.sender_clocks import REMEMBERED_NS, SenderClocks
@@ -32,15 +32,15 @@ from diffdrive_kinematics.core.odometry.slip_stream import SlipStream
 from diffdrive_kinematics.core.odometry.sources import Source, Sources, Spoken
 from diffdrive_kinematics.core.odometry.velocity_check import Contradiction, VelocityCheck
 from diffdrive_kinematics.core.odometry.wheel_motion import (
-    first_motion, is_run, is_silent, Pair, rates_at, receive, Received, rolled, shifted,
-    step_tolerance, timeout_from_seconds, Verdict, WheelMotion, WheelSample, ZERO)
+    baseline, is_run, is_silent, rates_at, Received, rolled, shifted, step_tolerance,
+    timeout_from_seconds, update_motion, Verdict, WheelMotion, WheelPair, WheelSample, ZERO)
 from diffdrive_kinematics.core.odometry.wheel_side import Disagreement, mean_of, SideTrack
 
 __all__ = [
-    'Assembled', 'Assembly', 'BaseReading', 'Contradiction', 'Disagreement', 'Encoder',
-    'JointReading', 'MeasuredWheels', 'Odometry', 'OdometryHistory', 'Pair', 'PositionTrack',
+    'Assembled', 'Assembly', 'BaseState', 'Contradiction', 'Disagreement', 'Encoder',
+    'JointReading', 'MeasuredWheels', 'Odometry', 'OdometryHistory', 'WheelPair', 'PositionTrack',
     'REMEMBERED_NS', 'RateWindow', 'Received', 'SenderClock', 'SenderClocks', 'SideTrack',
     'SlipStream', 'Source', 'Sources', 'Spoken', 'VelocityCheck', 'Verdict', 'WheelMotion',
-    'WheelSample', 'ZERO', 'composed', 'first_motion', 'inverted', 'is_run', 'is_silent',
-    'mean_of', 'rates_at', 'receive', 'rolled', 'shifted', 'step_tolerance',
+    'WheelSample', 'ZERO', 'composed', 'baseline', 'inverted', 'is_run', 'is_silent',
+    'mean_of', 'rates_at', 'update_motion', 'rolled', 'shifted', 'step_tolerance',
     'timeout_from_seconds', 'tolerance_of', 'wrapped_increment']

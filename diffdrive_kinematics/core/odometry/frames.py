@@ -99,7 +99,7 @@ class OdometryHistory:
     >>> from diffdrive_kinematics.core.odometry import WheelSample
     >>> odometry = Odometry(WheelGeometry(0.5, 0.125), timeout_ns=None)
     >>> history = OdometryHistory((odometry,))
-    >>> odometry, _ = odometry.received(WheelSample(0, (8.0, 8.0)), now_ns=0)
+    >>> odometry, _ = odometry.update(WheelSample(0, (8.0, 8.0)), now_ns=0)
     >>> history = history.followed(odometry)
     >>> history.pose_at(500_000_000).x
     0.5
@@ -154,8 +154,8 @@ class OdometryHistory:
         """
         for odometry in reversed(self.past):
             if odometry.clock.own_ns(_anchor(odometry)) <= time_ns:
-                return odometry.at(time_ns).pose
-        return self.past[0].at(time_ns).pose
+                return odometry.predict(time_ns).pose
+        return self.past[0].predict(time_ns).pose
 
 
 def _anchor(odometry: Odometry) -> int:

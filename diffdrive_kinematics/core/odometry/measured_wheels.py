@@ -32,7 +32,7 @@ from typing import NamedTuple, Optional
 
 from diffdrive_kinematics.core.odometry.rate_window import RateWindow
 from diffdrive_kinematics.core.odometry.velocity_check import VelocityCheck
-from diffdrive_kinematics.core.odometry.wheel_motion import Pair, ZERO
+from diffdrive_kinematics.core.odometry.wheel_motion import WheelPair, ZERO
 
 __all__ = ['MeasuredWheels']
 
@@ -76,16 +76,16 @@ class MeasuredWheels(NamedTuple):
     extrapolates: bool = True
     window: RateWindow = RateWindow()
     check: VelocityCheck = VelocityCheck()
-    lead: Pair = ZERO
+    lead: WheelPair = ZERO
 
     @property
-    def rates(self) -> Pair:
+    def rates(self) -> WheelPair:
         """Return the rates [rad/s] of the positions."""
         return self.window.rates
 
     def begun(
-            self, time_ns: int, angles: Pair, velocities: Optional[Pair],
-            rates: Pair = ZERO) -> 'MeasuredWheels':
+            self, time_ns: int, angles: WheelPair, velocities: Optional[WheelPair],
+            rates: WheelPair = ZERO) -> 'MeasuredWheels':
         """
         Return what a first message says, or one after a step of its clock.
 
@@ -117,8 +117,8 @@ class MeasuredWheels(NamedTuple):
             check=self.check._replace(rates=velocities))
 
     def followed(
-            self, time_ns: int, angles: Pair, velocities: Optional[Pair],
-            ahead: Pair) -> 'MeasuredWheels':
+            self, time_ns: int, angles: WheelPair, velocities: Optional[WheelPair],
+            ahead: WheelPair) -> 'MeasuredWheels':
         """
         Return what is known after one more message.
 
@@ -156,7 +156,7 @@ class MeasuredWheels(NamedTuple):
             _kept(ahead[1], window.rests[1], window.runs[1] or window.rates[1]))
         return MeasuredWheels(self.extrapolates, window, check, lead)
 
-    def held_rates(self) -> Optional[Pair]:
+    def held_rates(self) -> Optional[WheelPair]:
         """
         Return the rates by which angles go on until the next message.
 
@@ -177,7 +177,7 @@ class MeasuredWheels(NamedTuple):
         (left, right), (left_run, right_run) = self.window.rates, self.window.runs
         return left if abs(left_run) >= STEADY else 0.0, right if abs(right_run) >= STEADY else 0.0
 
-    def told_rates(self) -> Pair:
+    def told_rates(self) -> WheelPair:
         """
         Return the rates to go by where the next message has no positions.
 
@@ -218,7 +218,7 @@ class MeasuredWheels(NamedTuple):
         reach_ns = REACH * self.window.usual_ns
         return reach_ns if timeout_ns is None else min(reach_ns, timeout_ns)
 
-    def _credible(self, rates: Pair) -> Pair:
+    def _credible(self, rates: WheelPair) -> WheelPair:
         """Return velocities [rad/s] within a multiple of what the positions show."""
         groups, shown = self.window.groups, self.window.rates
         last, before = groups[-1], groups[-2] if len(groups) > 1 else groups[-1]
@@ -233,7 +233,7 @@ class MeasuredWheels(NamedTuple):
         """Tell whether angles go on by the velocities of the driver."""
         return self.check.believed and self.check.rates is not None
 
-    def led(self, angle: Pair) -> Pair:
+    def led(self, angle: WheelPair) -> WheelPair:
         """
         Return an angle since the last message that does not go back behind the lead.
 
@@ -255,7 +255,7 @@ class MeasuredWheels(NamedTuple):
         """
         return _behind(angle[0], self.lead[0]), _behind(angle[1], self.lead[1])
 
-    def rested(self, by: Pair) -> 'MeasuredWheels':
+    def rested(self, by: WheelPair) -> 'MeasuredWheels':
         """
         Return what is known of wheels that count as standing, and angles moved.
 

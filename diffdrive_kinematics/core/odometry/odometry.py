@@ -31,18 +31,18 @@ from diffdrive_kinematics.core.noise import (
 from diffdrive_kinematics.core.odometry.measured_wheels import MeasuredWheels
 from diffdrive_kinematics.core.odometry.sender_clock import SenderClock, tolerance_of
 from diffdrive_kinematics.core.odometry.wheel_motion import (
-    first_motion, is_run, is_silent, Pair, rates_at, receive, rolled, shifted, Verdict,
-    WheelMotion, WheelSample)
+    baseline, is_run, is_silent, rates_at, rolled, shifted, update_motion, Verdict,
+    WheelMotion, WheelPair, WheelSample)
 
-__all__ = ['BaseReading', 'Odometry']
+__all__ = ['BaseState', 'Odometry']
 
-NO_SLIP: Pair = (0.0, 0.0)
-NOTHING: Pair = (0.0, 0.0)
+NO_SLIP: WheelPair = (0.0, 0.0)
+NOTHING: WheelPair = (0.0, 0.0)
 REPEATED, OUT_OF_ORDER, CLOCK_STEP = (  # an enum is slow to look up
     Verdict.REPEATED, Verdict.OUT_OF_ORDER, Verdict.CLOCK_STEP)
 
 
-class BaseReading(NamedTuple):
+class BaseState(NamedTuple):
     """
     The base at one time.
 
@@ -59,7 +59,7 @@ class BaseReading(NamedTuple):
 
     Examples
     --------
-    >>> reading = BaseReading(Pose(1.0, 0.0, 0.0), (0.5, 0.0), angles=(8.0, 8.0), rates=(4.0, 4.0))
+    >>> reading = BaseState(Pose(1.0, 0.0, 0.0), (0.5, 0.0), angles=(8.0, 8.0), rates=(4.0, 4.0))
     >>> reading.pose.x
     1.0
 
@@ -67,8 +67,8 @@ class BaseReading(NamedTuple):
 
     pose: Pose
     twist: Tuple[float, float]
-    angles: Pair
-    rates: Pair
+    angles: WheelPair
+    rates: WheelPair
 
 
 class Odometry(NamedTuple):
@@ -107,8 +107,8 @@ class Odometry(NamedTuple):
 
     >>> odometry = Odometry.starting_at(
     ...     Pose(1.0, 0.0, 0.0), geometry=WheelGeometry(0.5, 0.125), timeout_ns=None)
-    >>> odometry, verdict = odometry.received(WheelSample(0, rates=(4.0, 4.0)), now_ns=0)
-    >>> reading = odometry.at(2_000_000_000)
+    >>> odometry, verdict = odometry.update(WheelSample(0, rates=(4.0, 4.0)), now_ns=0)
+    >>> reading = odometry.predict(2_000_000_000)
     >>> reading.pose, reading.twist, reading.angles
     (Pose(x=2.0, y=0.0, theta=0.0), (0.5, 0.0), (8.0, 8.0))
 
@@ -122,7 +122,7 @@ class Odometry(NamedTuple):
     left: RunningSum = RunningSum(0.0)
     right: RunningSum = RunningSum(0.0)
     motion: Optional[WheelMotion] = None
-    slip_variances: Pair = NO_SLIP
+    slip_variances: WheelPair = NO_SLIP
     covariance: PoseCovariance = NO_COVARIANCE
     max_rate: float = math.inf
     clock: SenderClock = SenderClock(tolerance_of(None))
@@ -132,7 +132,7 @@ class Odometry(NamedTuple):
     @staticmethod
     def starting_at(
             pose: Pose, *, geometry: WheelGeometry, timeout_ns: Optional[int],
-            slip_variances: Pair = NO_SLIP, covariance: PoseCovariance = NO_COVARIANCE
+            slip_variances: WheelPair = NO_SLIP, covariance: PoseCovariance = NO_COVARIANCE
     ) -> 'Odometry':
         """
         Return the odometry of a base that stands at a pose with wheel angles 0.
@@ -173,7 +173,7 @@ class Odometry(NamedTuple):
             RunningSum(float(pose.theta)), slip_variances=slip_variances, covariance=covariance,
             clock=SenderClock(tolerance_of(timeout_ns)))
 
-    def received(self, sample: WheelSample, now_ns: int) -> Tuple['Odometry', Verdict]:
+    def update(self, sample: WheelSample, now_ns: int) -> Tuple['Odometry', Verdict]:
         """
         Return the odometry after a sample, and what became of the sample.
 
@@ -219,8 +219,8 @@ class Odometry(NamedTuple):
                 motion = odometry.motion
         if motion is None:
             self._check_sane(sample.rates or NOTHING, 'velocity')
-            return self._replace(motion=first_motion(sample), clock=clock), Verdict.FIRST
-        result = receive(
+            return self._replace(motion=baseline(sample), clock=clock), Verdict.FIRST
+        result = update_motion(
             motion, sample, now_ns=theirs_ns, timeout_ns=self.timeout_ns, max_rate=max_rate,
             usual_ns=usual_ns)
         verdict = result.verdict
@@ -295,7 +295,7 @@ class Odometry(NamedTuple):
 
     def configured(
             self, geometry: WheelGeometry, timeout_ns: Optional[int], now_ns: int,
-            slip_variances: Optional[Pair] = None) -> 'Odometry':
+            slip_variances: Optional[WheelPair] = None) -> 'Odometry':
         """
         Return the odometry with what was rolled so far kept and new settings from now on.
 
@@ -325,10 +325,10 @@ class Odometry(NamedTuple):
         A second at 0.5 m/s, and another with wheels of twice the size:
 
         >>> odometry = Odometry(WheelGeometry(0.5, wheel_radius=0.125), timeout_ns=None)
-        >>> odometry, _ = odometry.received(WheelSample(0, rates=(4.0, 4.0)), now_ns=0)
+        >>> odometry, _ = odometry.update(WheelSample(0, rates=(4.0, 4.0)), now_ns=0)
         >>> odometry = odometry.configured(
         ...     WheelGeometry(0.5, wheel_radius=0.25), timeout_ns=None, now_ns=1_000_000_000)
-        >>> odometry.at(2_000_000_000).pose.x
+        >>> odometry.predict(2_000_000_000).pose.x
         1.5
 
         """
@@ -342,7 +342,7 @@ class Odometry(NamedTuple):
             geometry=geometry, timeout_ns=timeout_ns, slip_variances=slip, clock=clock,
             measured=self.measured and self.measured._replace(lead=NOTHING))
 
-    def placed_at(
+    def set_pose(
             self, pose: Pose, covariance: PoseCovariance, now_ns: int, *,
             keep_angles: bool = True) -> 'Odometry':
         """
@@ -375,9 +375,9 @@ class Odometry(NamedTuple):
         Examples
         --------
         >>> odometry = Odometry(WheelGeometry(0.5, 0.125), timeout_ns=None)
-        >>> odometry, _ = odometry.received(WheelSample(0, rates=(4.0, 4.0)), now_ns=0)
-        >>> odometry = odometry.placed_at(Pose(0.0, 3.0, 0.0), NO_COVARIANCE, now_ns=1_000_000_000)
-        >>> reading = odometry.at(2_000_000_000)
+        >>> odometry, _ = odometry.update(WheelSample(0, rates=(4.0, 4.0)), now_ns=0)
+        >>> odometry = odometry.set_pose(Pose(0.0, 3.0, 0.0), NO_COVARIANCE, now_ns=1_000_000_000)
+        >>> reading = odometry.predict(2_000_000_000)
         >>> reading.pose, reading.angles
         (Pose(x=0.0, y=3.0, theta=0.0), (4.0, 4.0))
 
@@ -418,8 +418,8 @@ class Odometry(NamedTuple):
         Examples
         --------
         >>> odometry = Odometry(WheelGeometry(0.5, 0.125), timeout_ns=None)
-        >>> odometry, _ = odometry.received(WheelSample(0, rates=(4.0, 4.0)), now_ns=0)
-        >>> odometry.clock_stepped(5_000_000_000).at(7_000_000_000).pose.x
+        >>> odometry, _ = odometry.update(WheelSample(0, rates=(4.0, 4.0)), now_ns=0)
+        >>> odometry.clock_stepped(5_000_000_000).predict(7_000_000_000).pose.x
         1.0
 
         """
@@ -437,7 +437,7 @@ class Odometry(NamedTuple):
             return False
         return (self.motion if self.measured is None else self.measured).rates == NOTHING
 
-    def at(self, time_ns: int) -> BaseReading:
+    def predict(self, time_ns: int) -> BaseState:
         """
         Return the base at a time; before the anchor that is the base at the anchor.
 
@@ -448,7 +448,7 @@ class Odometry(NamedTuple):
 
         Returns
         -------
-        BaseReading
+        BaseState
             Pose, twist, wheel angles and rates.
 
         Examples
@@ -457,8 +457,8 @@ class Odometry(NamedTuple):
 
         """
         if self.motion is None:
-            return BaseReading(self._pose(0.0, 0.0), (0.0, 0.0),
-                               (self.left.value, self.right.value), (0.0, 0.0))
+            return BaseState(self._pose(0.0, 0.0), (0.0, 0.0),
+                             (self.left.value, self.right.value), (0.0, 0.0))
         time_ns = self._theirs(time_ns)
         if self.measured is None:
             left, right = rolled(self.motion, time_ns, self.timeout_ns)
@@ -467,7 +467,7 @@ class Odometry(NamedTuple):
             left, right = self._angle_at(self.motion, time_ns)
             rates = NOTHING if is_silent(
                 self.motion, time_ns, self.timeout_ns) else self.measured.rates
-        return BaseReading(
+        return BaseState(
             self._pose(left, right), twist_from_wheel_rates(self.geometry, *rates),
             (self.left.value_with(left), self.right.value_with(right)), rates)
 
@@ -475,7 +475,7 @@ class Odometry(NamedTuple):
         """Return the time [ns] on the clock of the samples when the own one shows ``time_ns``."""
         return self.clock.theirs_ns(time_ns) if self.clock.apart else time_ns
 
-    def _angle_at(self, motion: WheelMotion, time_ns: int) -> Pair:
+    def _angle_at(self, motion: WheelMotion, time_ns: int) -> WheelPair:
         """Return the angle [rad] rolled from the anchor to a time on the samples' clock."""
         if self.measured is None:
             return rolled(motion, time_ns, self.timeout_ns)
@@ -504,7 +504,7 @@ class Odometry(NamedTuple):
         After 1 m straight ahead ``Var theta = (k_l + k_r) |d| / L^2``:
 
         >>> odometry = Odometry(WheelGeometry(0.5, 0.125), None, slip_variances=(1e-4, 1e-4))
-        >>> odometry, _ = odometry.received(WheelSample(0, rates=(4.0, 4.0)), now_ns=0)
+        >>> odometry, _ = odometry.update(WheelSample(0, rates=(4.0, 4.0)), now_ns=0)
         >>> round(odometry.covariance_at(2_000_000_000).tt, 9)
         0.0008
 
@@ -517,7 +517,7 @@ class Odometry(NamedTuple):
     def _is_certain(self) -> bool:
         return self.slip_variances == NO_SLIP and self.covariance == NO_COVARIANCE
 
-    def _covariance_after(self, angle: Pair) -> PoseCovariance:
+    def _covariance_after(self, angle: WheelPair) -> PoseCovariance:
         """Return the covariance after the wheels rolled by an angle [rad] from the anchor."""
         if self._is_certain():
             return self.covariance
@@ -528,7 +528,7 @@ class Odometry(NamedTuple):
         return moved_covariance(
             self.covariance, Pose(0.0, 0.0, heading), Pose(*self._change(*angle)), added)
 
-    def _check_sane(self, wheels: Pair, name: str) -> None:
+    def _check_sane(self, wheels: WheelPair, name: str) -> None:
         if not is_sane(*twist_from_wheel_rates(self.geometry, *wheels)):
             raise ValueError(
                 f'{name} (left, right) is {wheels!r} since the message before, expected wheel '
@@ -540,7 +540,8 @@ class Odometry(NamedTuple):
                     wrap_angle(self.theta.value_with(turn)))
 
     def _rolled(
-            self, angle: Pair, motion: Optional[WheelMotion], clock: SenderClock) -> 'Odometry':
+            self, angle: WheelPair, motion: Optional[WheelMotion], clock: SenderClock
+    ) -> 'Odometry':
         """Return the odometry with the anchor moved by an angle [rad], and what follows it."""
         left, right = angle
         dx, dy, turn = self._change(left, right)
@@ -570,7 +571,7 @@ class Odometry(NamedTuple):
         return math.remainder(self.theta.high, math.tau) + self.theta.low
 
 
-def _check_slip(slip_variances: Pair) -> Pair:
+def _check_slip(slip_variances: WheelPair) -> WheelPair:
     left, right = slip_variances
     return (check_non_negative('left slip variance', left),
             check_non_negative('right slip variance', right))

@@ -27,7 +27,7 @@ and encoders count in ticks.  Over a window of N intervals these errors are N ti
 
 from typing import NamedTuple, Tuple
 
-from diffdrive_kinematics.core.odometry.wheel_motion import Pair, ZERO
+from diffdrive_kinematics.core.odometry.wheel_motion import WheelPair, ZERO
 
 __all__ = ['RateWindow']
 
@@ -70,11 +70,11 @@ class RateWindow(NamedTuple):
     groups: Tuple[Tuple[int, float, float], ...] = ()
     begun_ns: int = 0
     usual_ns: int = USUAL_NS
-    rates: Pair = ZERO
+    rates: WheelPair = ZERO
     runs: Tuple[int, int] = (0, 0)
     rests: Tuple[int, int] = (0, 0)
 
-    def begun(self, time_ns: int, angles: Pair, rates: Pair = ZERO) -> 'RateWindow':
+    def begun(self, time_ns: int, angles: WheelPair, rates: WheelPair = ZERO) -> 'RateWindow':
         """
         Return the window that starts with a message; what interval is usual stays known.
 
@@ -99,7 +99,7 @@ class RateWindow(NamedTuple):
         """
         return RateWindow(self.size, ((time_ns, *angles),), time_ns, self.usual_ns, rates)
 
-    def followed(self, time_ns: int, angles: Pair) -> 'RateWindow':
+    def followed(self, time_ns: int, angles: WheelPair) -> 'RateWindow':
         """
         Return the window after one more message; an earlier one changes nothing.
 
@@ -146,7 +146,7 @@ class RateWindow(NamedTuple):
         return RateWindow(
             self.size, groups, begun_ns, usual_ns, rates, (left_run, right_run), rests)
 
-    def rested(self, by: Pair) -> 'RateWindow':
+    def rested(self, by: WheelPair) -> 'RateWindow':
         """
         Return the window with rates of 0 until the next message, and angles moved.
 

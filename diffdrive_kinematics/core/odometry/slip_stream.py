@@ -26,12 +26,12 @@ from typing import Optional, Tuple
 from diffdrive_kinematics.core.kinematics import RunningSum
 from diffdrive_kinematics.core.noise import effective_ratio, sample_travel, WheelSlip
 from diffdrive_kinematics.core.odometry.wheel_motion import (
-    first_motion, Pair, receive, rolled, Verdict, WheelMotion, WheelSample)
+    baseline, rolled, update_motion, Verdict, WheelMotion, WheelPair, WheelSample)
 import numpy as np
 
 __all__ = ['SlipStream']
 
-ZERO: Pair = (0.0, 0.0)
+ZERO: WheelPair = (0.0, 0.0)
 
 
 @dataclass(frozen=True)
@@ -62,24 +62,24 @@ class SlipStream:
 
     >>> stream = SlipStream((0.125, 0.125), WheelSlip(bias=0.5), WheelSlip(), timeout_ns=None)
     >>> generator = np.random.default_rng(1)
-    >>> stream, _, _ = stream.passed(WheelSample(0, (8.0, 8.0)), generator)
-    >>> stream, out, _ = stream.passed(WheelSample(1_000_000_000, (8.0, 8.0)), generator)
+    >>> stream, _, _ = stream.apply(WheelSample(0, (8.0, 8.0)), generator)
+    >>> stream, out, _ = stream.apply(WheelSample(1_000_000_000, (8.0, 8.0)), generator)
     >>> out.rates, out.positions
     ((12.0, 8.0), (12.0, 8.0))
 
     """
 
-    radii: Pair
+    radii: WheelPair
     left_slip: WheelSlip
     right_slip: WheelSlip
     timeout_ns: Optional[int]
     motion: Optional[WheelMotion] = None
     told_ns: int = 0
-    ahead: Pair = ZERO
+    ahead: WheelPair = ZERO
     left: RunningSum = RunningSum(0.0)
     right: RunningSum = RunningSum(0.0)
 
-    def passed(
+    def apply(
             self, sample: WheelSample, generator: 'np.random.Generator'
     ) -> Tuple['SlipStream', Optional[WheelSample], Verdict]:
         """
@@ -108,10 +108,10 @@ class SlipStream:
 
         """
         if self.motion is None:
-            motion = first_motion(sample)
+            motion = baseline(sample)
             stream = replace(self, motion=motion, told_ns=sample.stamp_ns)
             return stream, self._out(sample, motion, ratios=None), Verdict.FIRST
-        result = receive(
+        result = update_motion(
             self.motion, sample, now_ns=sample.stamp_ns, timeout_ns=self.timeout_ns)
         late = result.verdict is Verdict.REPEATED and sample.stamp_ns <= self.told_ns
         if late or result.verdict is Verdict.OUT_OF_ORDER:
@@ -124,7 +124,7 @@ class SlipStream:
                 result.verdict)
 
     def _perturbed(
-            self, sample: WheelSample, motion: WheelMotion, anchor_moved: Pair,
+            self, sample: WheelSample, motion: WheelMotion, anchor_moved: WheelPair,
             generator: 'np.random.Generator') -> Tuple['SlipStream', WheelSample]:
         """Perturb the nominal angle between the sample put out last and this one."""
         told_ns = max(sample.stamp_ns, self.told_ns + 1)
@@ -141,7 +141,7 @@ class SlipStream:
         return stream, stream._out(sample, motion, ratios=(left_ratio, right_ratio))
 
     def _out(
-            self, sample: WheelSample, motion: WheelMotion, ratios: Optional[Pair]
+            self, sample: WheelSample, motion: WheelMotion, ratios: Optional[WheelPair]
     ) -> WheelSample:
         """Return the sample to put out; its positions are left away while nothing counts yet."""
         first = self.motion is None

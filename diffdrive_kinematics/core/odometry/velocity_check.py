@@ -27,7 +27,7 @@ disagreement to report.
 
 from typing import NamedTuple, Optional, Tuple
 
-from diffdrive_kinematics.core.odometry.wheel_motion import Pair, ZERO
+from diffdrive_kinematics.core.odometry.wheel_motion import WheelPair, ZERO
 
 __all__ = ['Contradiction', 'VelocityCheck']
 
@@ -101,17 +101,18 @@ class VelocityCheck(NamedTuple):
     believed: bool = False
     disagreement: Optional[Contradiction] = None
     against: Tuple[Contradiction, ...] = ()
-    told: Pair = ZERO
-    rolled: Pair = ZERO
-    largest: Pair = ZERO
-    low: Pair = ZERO
-    high: Pair = ZERO
+    told: WheelPair = ZERO
+    rolled: WheelPair = ZERO
+    largest: WheelPair = ZERO
+    low: WheelPair = ZERO
+    high: WheelPair = ZERO
     messages: int = 0
     seconds: float = 0.0
-    rates: Optional[Pair] = None
+    rates: Optional[WheelPair] = None
 
     def followed(
-            self, rates: Optional[Pair], increments: Pair, seconds: float) -> 'VelocityCheck':
+            self, rates: Optional[WheelPair], increments: WheelPair, seconds: float
+    ) -> 'VelocityCheck':
         """
         Return the check after one more message.
 

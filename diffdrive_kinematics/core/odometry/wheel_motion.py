@@ -45,12 +45,12 @@ from typing import NamedTuple, Optional, Tuple
 from diffdrive_kinematics.core.kinematics import is_sane, LARGEST
 
 __all__ = [
-    'Pair', 'Received', 'Verdict', 'WheelMotion', 'WheelSample', 'ZERO', 'first_motion', 'is_run',
-    'is_silent', 'rates_at', 'receive', 'rolled', 'shifted', 'step_tolerance',
+    'WheelPair', 'Received', 'Verdict', 'WheelMotion', 'WheelSample', 'ZERO', 'baseline', 'is_run',
+    'is_silent', 'rates_at', 'update_motion', 'rolled', 'shifted', 'step_tolerance',
     'timeout_from_seconds']
 
-Pair = Tuple[float, float]
-ZERO: Pair = (0.0, 0.0)
+WheelPair = Tuple[float, float]
+ZERO: WheelPair = (0.0, 0.0)
 NANOSECONDS = 1e9
 STEP_TOLERANCE_NS = 1_000_000_000
 
@@ -78,13 +78,13 @@ class WheelSample:
 
     Examples
     --------
-    See :func:`receive`.
+    See :func:`update_motion`.
 
     """
 
     stamp_ns: int
-    rates: Optional[Pair]
-    positions: Optional[Pair] = None
+    rates: Optional[WheelPair]
+    positions: Optional[WheelPair] = None
     source: str = ''
 
     def __post_init__(self) -> None:
@@ -97,7 +97,7 @@ class WheelSample:
             raise _absurd('position', positions)
 
 
-def _absurd(name: str, pair: Pair) -> ValueError:
+def _absurd(name: str, pair: WheelPair) -> ValueError:
     return ValueError(
         f'{name} (left, right) is {pair!r}, expected finite numbers within +-{LARGEST:g}')
 
@@ -152,14 +152,14 @@ class WheelMotion(NamedTuple):
 
     Examples
     --------
-    See :func:`first_motion`.
+    See :func:`baseline`.
 
     """
 
     anchor_ns: int
     last_ns: int
-    rates: Pair
-    reference: Pair
+    rates: WheelPair
+    reference: WheelPair
     holds: bool
     source: str = ''
     counted: bool = True
@@ -171,7 +171,7 @@ class Verdict(enum.Enum):
 
     Examples
     --------
-    See :func:`receive`.
+    See :func:`update_motion`.
 
     """
 
@@ -200,14 +200,14 @@ class Received(NamedTuple):
 
     Examples
     --------
-    See :func:`receive`.
+    See :func:`update_motion`.
 
     """
 
     motion: WheelMotion
-    rolled: Pair
+    rolled: WheelPair
     verdict: Verdict
-    known: Pair = ZERO
+    known: WheelPair = ZERO
 
 
 def timeout_from_seconds(seconds: float) -> Optional[int]:
@@ -256,7 +256,7 @@ def step_tolerance(timeout_ns: Optional[int]) -> int:
     return max(timeout_ns or 0, STEP_TOLERANCE_NS)
 
 
-def first_motion(sample: WheelSample) -> WheelMotion:
+def baseline(sample: WheelSample) -> WheelMotion:
     """
     Return the motion that starts with a sample: its positions are only a baseline.
 
@@ -272,7 +272,7 @@ def first_motion(sample: WheelSample) -> WheelMotion:
 
     Examples
     --------
-    >>> motion = first_motion(WheelSample(5, rates=(1.0, 2.0), positions=(7.0, 8.0)))
+    >>> motion = baseline(WheelSample(5, rates=(1.0, 2.0), positions=(7.0, 8.0)))
     >>> motion.anchor_ns, motion.rates, motion.reference, motion.holds
     (5, (1.0, 2.0), (7.0, 8.0), True)
 
@@ -301,7 +301,7 @@ def shifted(motion: WheelMotion, step_ns: int) -> WheelMotion:
 
     Examples
     --------
-    >>> motion = shifted(first_motion(WheelSample(5, rates=(1.0, 2.0))), step_ns=-2)
+    >>> motion = shifted(baseline(WheelSample(5, rates=(1.0, 2.0))), step_ns=-2)
     >>> motion.anchor_ns, motion.last_ns
     (3, 3)
 
@@ -310,7 +310,7 @@ def shifted(motion: WheelMotion, step_ns: int) -> WheelMotion:
         anchor_ns=motion.anchor_ns + step_ns, last_ns=motion.last_ns + step_ns)
 
 
-def rolled(motion: WheelMotion, time_ns: int, timeout_ns: Optional[int]) -> Pair:
+def rolled(motion: WheelMotion, time_ns: int, timeout_ns: Optional[int]) -> WheelPair:
     """
     Return the angle rolled from the anchor to a time while the rates are held.
 
@@ -332,7 +332,7 @@ def rolled(motion: WheelMotion, time_ns: int, timeout_ns: Optional[int]) -> Pair
     --------
     After half a second without a sample the wheels stop:
 
-    >>> motion = first_motion(WheelSample(0, rates=(1.0, 2.0)))
+    >>> motion = baseline(WheelSample(0, rates=(1.0, 2.0)))
     >>> for time_ns in (250_000_000, 750_000_000):
     ...     (rolled(motion, time_ns, 500_000_000), rates_at(motion, time_ns, 500_000_000),
     ...      is_silent(motion, time_ns, 500_000_000))
@@ -348,7 +348,7 @@ def rolled(motion: WheelMotion, time_ns: int, timeout_ns: Optional[int]) -> Pair
     return motion.rates[0] * seconds, motion.rates[1] * seconds
 
 
-def rates_at(motion: WheelMotion, time_ns: int, timeout_ns: Optional[int]) -> Pair:
+def rates_at(motion: WheelMotion, time_ns: int, timeout_ns: Optional[int]) -> WheelPair:
     """
     Return the wheel rates at a time: 0 from the timeout on.
 
@@ -400,7 +400,7 @@ def is_silent(motion: WheelMotion, time_ns: int, timeout_ns: Optional[int]) -> b
     return timeout_ns is not None and time_ns >= motion.last_ns + timeout_ns
 
 
-def receive(
+def update_motion(
         motion: WheelMotion, sample: WheelSample, *, now_ns: int,
         timeout_ns: Optional[int], max_rate: float = math.inf, usual_ns: int = 0) -> Received:
     """
@@ -432,9 +432,9 @@ def receive(
 
     Examples
     --------
-    >>> motion = first_motion(WheelSample(0, rates=(1.0, 2.0), positions=(7.0, 8.0)))
+    >>> motion = baseline(WheelSample(0, rates=(1.0, 2.0), positions=(7.0, 8.0)))
     >>> sample = WheelSample(500_000_000, rates=(0.0, 0.0), positions=(7.5, 9.0))
-    >>> result = receive(motion, sample, now_ns=500_000_000, timeout_ns=None)
+    >>> result = update_motion(motion, sample, now_ns=500_000_000, timeout_ns=None)
     >>> result.rolled, result.verdict is Verdict.MOVED
     ((0.5, 1.0), True)
 
@@ -446,7 +446,7 @@ def receive(
     if stamp <= motion.anchor_ns:
         if stamp <= motion.last_ns:
             if _begins_at_the_anchor(sample, motion):
-                return Received(first_motion(sample), ZERO, Verdict.MOVED)
+                return Received(baseline(sample), ZERO, Verdict.MOVED)
             again = _is_the_anchor(sample, motion)
             return Received(motion, ZERO, Verdict.REPEATED if again else Verdict.OUT_OF_ORDER)
         stamp = motion.anchor_ns + 1  # it was on its way while the settings changed
@@ -491,11 +491,11 @@ def _begins_at_the_anchor(sample: WheelSample, motion: WheelMotion) -> bool:
 
 def _motion_from(sample: WheelSample, anchor_ns: int) -> WheelMotion:
     """Return the motion that starts with a sample, which may be older than its anchor."""
-    motion = first_motion(sample)
+    motion = baseline(sample)
     return motion if sample.stamp_ns == anchor_ns else motion._replace(anchor_ns=anchor_ns)
 
 
-def _renewed(motion: WheelMotion, repeat: WheelSample, held: Pair) -> WheelMotion:
+def _renewed(motion: WheelMotion, repeat: WheelSample, held: WheelPair) -> WheelMotion:
     """Return the motion after a repeat; one without positions is where they begin to count."""
     if repeat.stamp_ns < motion.last_ns:
         return motion
@@ -508,16 +508,16 @@ def _stepped(
         motion: WheelMotion, sample: WheelSample, timeout_ns: Optional[int]) -> Received:
     """Begin anew after a step of the clock, with what is known up to the last stamp."""
     known = rolled(motion, motion.last_ns, timeout_ns)
-    return Received(first_motion(sample), known, Verdict.CLOCK_STEP)
+    return Received(baseline(sample), known, Verdict.CLOCK_STEP)
 
 
-def _increment(motion: WheelMotion, sample: WheelSample) -> Pair:
+def _increment(motion: WheelMotion, sample: WheelSample) -> WheelPair:
     left, right = sample.positions or motion.reference
     return left - motion.reference[0], right - motion.reference[1]
 
 
 def _jumps(
-        motion: WheelMotion, travelled: Pair, stamp: int, max_rate: float,
+        motion: WheelMotion, travelled: WheelPair, stamp: int, max_rate: float,
         usual_ns: int) -> bool:
     """Tell whether positions went further since the message before than wheels can."""
     if max_rate == math.inf:
@@ -528,7 +528,7 @@ def _jumps(
     return any(abs(a - b) > reach + math.ulp(a) for a, b in zip(travelled, before))
 
 
-def _same(held: Pair, travelled: Pair, motion: WheelMotion, sample: WheelSample) -> bool:
+def _same(held: WheelPair, travelled: WheelPair, motion: WheelMotion, sample: WheelSample) -> bool:
     """Tell whether the positions, if any, say what the held rates say, to their last digits."""
     positions, reference = sample.positions, motion.reference
     return positions is None or (

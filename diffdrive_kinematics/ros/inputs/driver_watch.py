@@ -18,7 +18,7 @@ import math
 from typing import Any, Dict, List, Optional
 
 from diffdrive_kinematics.core.odometry import Contradiction, Odometry
-from diffdrive_kinematics.ros.runtime.diagnostics import Trouble, WARN
+from diffdrive_kinematics.ros.runtime.diagnostics import Problem, WARN
 
 __all__ = ['DriverWatch', 'clock_text', 'velocity_text']
 
@@ -118,9 +118,9 @@ class DriverWatch:
         if new:
             self._node.get_logger().warning(self._velocity)
 
-    def troubles(self) -> List[Trouble]:
+    def problems(self) -> List[Problem]:
         """Return what is wrong, for diagnostics."""
-        return [Trouble(WARN, text) for text in (self._clock, self._velocity) if text]
+        return [Problem(WARN, text) for text in (self._clock, self._velocity) if text]
 
     def values(self, odometry: Odometry) -> Dict[str, Any]:
         """Return what there is to know, for diagnostics."""

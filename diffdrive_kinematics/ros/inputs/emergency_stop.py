@@ -17,7 +17,7 @@
 from typing import Any, Callable, Dict, List, Tuple
 
 from diffdrive_kinematics.ros.parameters.qos import best_effort, latched
-from diffdrive_kinematics.ros.runtime.diagnostics import ERROR, Trouble
+from diffdrive_kinematics.ros.runtime.diagnostics import ERROR, Problem
 from std_msgs.msg import Bool
 from std_srvs.srv import Trigger
 
@@ -72,9 +72,9 @@ class EmergencyStop:
         return {'emergency stop': self._state() if self.engaged else 'off',
                 'commands ignored while stopped': self.ignored}
 
-    def troubles(self) -> List[Trouble]:
+    def problems(self) -> List[Problem]:
         """Return that the robot will not move."""
-        return [Trouble(ERROR, self._state())] if self.engaged else []
+        return [Problem(ERROR, self._state())] if self.engaged else []
 
     def _state(self) -> str:
         return f"stopped by {' and '.join(self._by)}"

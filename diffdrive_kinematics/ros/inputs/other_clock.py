@@ -17,7 +17,7 @@
 from typing import Any, List, TYPE_CHECKING
 
 from diffdrive_kinematics.core.odometry import SenderClock
-from diffdrive_kinematics.ros.runtime.diagnostics import Trouble, WARN
+from diffdrive_kinematics.ros.runtime.diagnostics import Problem, WARN
 
 if TYPE_CHECKING:
     from diffdrive_kinematics.ros.runtime.node import DiffDriveNode
@@ -59,9 +59,9 @@ class StampWatch:
         """Note that the clock of the node was stepped."""
         self._clock = self._clock.clock_stepped(step_ns)
 
-    def troubles(self) -> List[Trouble]:
+    def problems(self) -> List[Problem]:
         """Return the trouble of two clocks, where there are two."""
-        return [Trouble(WARN, self._finding())] if self._clock.differs else []
+        return [Problem(WARN, self._finding())] if self._clock.differs else []
 
     def _finding(self) -> str:
         simulated = str(self._node.time_clock.ros_time_is_active).lower()

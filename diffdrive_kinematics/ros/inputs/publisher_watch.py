@@ -16,7 +16,7 @@
 
 from typing import Any, List
 
-from diffdrive_kinematics.ros.runtime.diagnostics import Trouble, WARN
+from diffdrive_kinematics.ros.runtime.diagnostics import Problem, WARN
 from rclpy.subscription import Subscription
 
 __all__ = ['LOOK_RATE', 'PublisherWatch', 'publishers_of']
@@ -69,6 +69,6 @@ class PublisherWatch:
             self._trouble = ''
             self._node.get_logger().info(f"'{topic}' has no more than one publisher again")
 
-    def troubles(self) -> List[Trouble]:
+    def problems(self) -> List[Problem]:
         """Return what is wrong, for diagnostics."""
-        return [Trouble(WARN, self._trouble)] if self.count > 1 else []
+        return [Problem(WARN, self._trouble)] if self.count > 1 else []

@@ -18,7 +18,7 @@ from typing import Any, Dict, List
 
 from diffdrive_kinematics.ros.inputs.publisher_watch import LOOK_RATE, publishers_of
 from diffdrive_kinematics.ros.messages.wheel_messages import WheelReader
-from diffdrive_kinematics.ros.runtime.diagnostics import Trouble, WARN
+from diffdrive_kinematics.ros.runtime.diagnostics import Problem, WARN
 
 __all__ = ['WheelWatch']
 
@@ -122,14 +122,14 @@ class WheelWatch:
         return (f"wheels of a side disagree on '{self._topic}', in the same time they have gone "
                 f"{'; '.join(self._disagreements)}: is an encoder stuck, or a wheel in the air?")
 
-    def troubles(self) -> List[Trouble]:
+    def problems(self) -> List[Problem]:
         """Return what is wrong, for diagnostics."""
         texts = [self._contest, self._silent, self._apart]
         if self._left_out:
             texts.append(self._left_out_text())
         if self._disagreements:
             texts.append(self._disagreement_text())
-        return [Trouble(WARN, text) for text in texts if text]
+        return [Problem(WARN, text) for text in texts if text]
 
     def values(self) -> Dict[str, Any]:
         """Return what there is to count, for diagnostics."""

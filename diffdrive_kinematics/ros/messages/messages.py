@@ -25,8 +25,8 @@ from builtin_interfaces.msg import Time
 from diffdrive_kinematics.core.kinematics import Pose
 from diffdrive_kinematics.core.noise import (
     planar_covariance, planar_pose, PoseCovariance, TwistCovariance)
-from diffdrive_kinematics.core.odometry import BaseReading
-from diffdrive_kinematics.ros.messages.wire import (
+from diffdrive_kinematics.core.odometry import BaseState
+from diffdrive_kinematics.ros.messages.cdr import (
     Layout, NANOSECONDS, read_stamped_twist, read_twist, Template)
 from geometry_msgs.msg import Pose as PoseMessage, PoseWithCovarianceStamped, Twist, TwistStamped
 from rclpy.serialization import deserialize_message
@@ -122,7 +122,7 @@ class TwistMessage:
         self._template = Template(layout)
         self._numbers = self._template.doubles(at, 6)
 
-    def filled(self, stamp_ns: int, v: float, w: float) -> bytes:
+    def encode(self, stamp_ns: int, v: float, w: float) -> bytes:
         """Return the message with a stamp, where it has one, and a twist [m/s, rad/s]."""
         if self._stamped:
             self._template.stamp(stamp_ns)
@@ -178,7 +178,7 @@ class OdometryMessage:
         for index, value in zip(block, values):
             self._numbers[at + index] = value
 
-    def filled(self, stamp_ns: int, reading: BaseReading) -> bytes:
+    def encode(self, stamp_ns: int, reading: BaseState) -> bytes:
         """Return the message with a stamp and what the base reads."""
         self._template.stamp(stamp_ns)
         numbers, (x, y, theta) = self._numbers, reading.pose

@@ -19,7 +19,7 @@ A message object of 100,000 poses takes half a second to fill and to serialise; 
 message already, but for what stands in front of it.
 """
 
-from diffdrive_kinematics.ros.messages.wire import HEADER, stamped_sequence
+from diffdrive_kinematics.ros.messages.cdr import HEADER, stamped_sequence
 import numpy as np
 from numpy.typing import NDArray
 from std_msgs.msg import Header

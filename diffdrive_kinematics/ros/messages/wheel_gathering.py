@@ -19,7 +19,7 @@ from typing import Dict, List, NamedTuple, Optional, Sequence, Tuple
 
 from diffdrive_kinematics.core.kinematics import is_sane
 from diffdrive_kinematics.core.odometry import (
-    Assembly, JointReading, mean_of, Pair, PositionTrack, SideTrack, Sources, Spoken)
+    Assembly, JointReading, mean_of, PositionTrack, SideTrack, Sources, Spoken, WheelPair)
 from diffdrive_kinematics.ros.messages.wheel_joints import WheelJoints
 
 __all__ = ['Gathered', 'Gathering']
@@ -31,8 +31,8 @@ class Gathered(NamedTuple):
     """Motion of the joints of the (left, right) side, and who says so; None: absent."""
 
     stamp_ns: int
-    positions: Optional[Pair]
-    rates: Optional[Pair]
+    positions: Optional[WheelPair]
+    rates: Optional[WheelPair]
     source: str
 
 
@@ -149,7 +149,7 @@ class Gathering:
 
     def _motion(
             self, stamp_ns: int, positions: Sequence[float], rates: Sequence[float]
-    ) -> Tuple[Optional[Pair], Optional[Pair]]:
+    ) -> Tuple[Optional[WheelPair], Optional[WheelPair]]:
         """Return positions and rates of the sides, whatever single wheels say."""
         if len(self._all) == 2:
             return _pair(positions), _pair(rates)
@@ -159,7 +159,7 @@ class Gathering:
         used = [not out for side in self._sides or () for out in side.left_out]
         return sides if positions else None, self._halves(rates, used) if rates else None
 
-    def _followed(self, readings: Sequence[float]) -> Pair:
+    def _followed(self, readings: Sequence[float]) -> WheelPair:
         """Return the positions [rad] of the sides."""
         halves = readings[:self._left], readings[self._left:]
         if self._sides is None:
@@ -172,7 +172,7 @@ class Gathering:
         self._sides[1], right_position = right.followed(halves[1], left.position)
         return left_position, right_position
 
-    def _halves(self, values: Sequence[float], used: Sequence[bool]) -> Pair:
+    def _halves(self, values: Sequence[float], used: Sequence[bool]) -> WheelPair:
         use = [a and is_sane(value) for a, value in zip(used, values)]
         return (mean_of(values[:self._left], use[:self._left]),
                 mean_of(values[self._left:], use[self._left:]))
@@ -231,6 +231,6 @@ class Gathering:
         return found
 
 
-def _pair(values: Sequence[float]) -> Optional[Pair]:
+def _pair(values: Sequence[float]) -> Optional[WheelPair]:
     """Return the values of two joints, whose zeros have no sign; None where there are none."""
     return (0.0 + values[0], 0.0 + values[1]) if values else None

@@ -17,7 +17,7 @@
 from dataclasses import dataclass
 from typing import Any, Mapping, Tuple
 
-from diffdrive_kinematics.core.odometry import Pair
+from diffdrive_kinematics.core.odometry import WheelPair
 
 __all__ = ['WheelJoints', 'wheel_joints']
 
@@ -40,13 +40,13 @@ class WheelJoints:
         """Return the names of all joints, those of the left side first."""
         return self.names[0] + self.names[1]
 
-    def signed(self, pair: Pair) -> Pair:
+    def signed(self, pair: WheelPair) -> WheelPair:
         """Return what joints say of wheels, or wheels of joints; zero has no sign."""
         left, right = pair
         left_inverted, right_inverted = self.inverted
         return 0.0 - left if left_inverted else left, 0.0 - right if right_inverted else right
 
-    def spread(self, pair: Pair) -> 'list[float]':
+    def spread(self, pair: WheelPair) -> 'list[float]':
         """Return a value of each side as one of each joint."""
         left, right = pair
         return [left] * len(self.names[0]) + [right] * len(self.names[1])

@@ -16,12 +16,12 @@
 
 from typing import Callable, Dict, Optional, Sequence, Tuple, Union
 
-from diffdrive_kinematics.core.odometry import Encoder, Pair, Spoken, WheelSample
+from diffdrive_kinematics.core.odometry import Encoder, Spoken, WheelPair, WheelSample
+from diffdrive_kinematics.ros.messages.cdr import (
+    joint_names, JointStateLayout, Layout, NANOSECONDS, Template)
 from diffdrive_kinematics.ros.messages.messages import check_stamp
 from diffdrive_kinematics.ros.messages.wheel_gathering import Gathered, Gathering
 from diffdrive_kinematics.ros.messages.wheel_joints import WheelJoints
-from diffdrive_kinematics.ros.messages.wire import (
-    joint_names, JointStateLayout, Layout, NANOSECONDS, Template)
 from rclpy.serialization import deserialize_message
 from sensor_msgs.msg import JointState
 
@@ -191,8 +191,9 @@ class WheelMessage:
         self._reads = bool(encoder.period or encoder.resolution)
         self._templates: Dict[Tuple[bool, bool], _JointStateTemplate] = {}
 
-    def filled(
-            self, stamp_ns: int, rates: Optional[Pair], positions: Optional[Pair]) -> bytes:
+    def encode(
+            self, stamp_ns: int, rates: Optional[WheelPair], positions: Optional[WheelPair]
+    ) -> bytes:
         """Return the message with a stamp, rates [rad/s] and positions [rad]; None: absent."""
         kind = positions is not None, rates is not None
         template = self._templates.get(kind)
@@ -208,7 +209,7 @@ class WheelMessage:
             _fill(template.velocities, self._joints.spread(self._joints.signed(rates)))
         return template.message()
 
-    def _read(self, angles: Pair) -> Pair:
+    def _read(self, angles: WheelPair) -> WheelPair:
         return self._encoder.reading(angles[0]), self._encoder.reading(angles[1])
 
 
@@ -244,7 +245,7 @@ class WheelCommandMessage:
         self._template = Template(layout)
         self._rates = self._template.doubles(at, count)
 
-    def filled(self, rates: Pair) -> bytes:
+    def encode(self, rates: WheelPair) -> bytes:
         """Return the message with rates [rad/s]."""
         _fill(self._rates, self._joints.spread(self._joints.signed(rates)))
         return self._template.message()

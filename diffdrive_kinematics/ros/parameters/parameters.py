@@ -27,8 +27,8 @@ from typing import (
 
 from diffdrive_kinematics.ros.parameters import tables
 from diffdrive_kinematics.ros.parameters.configuration_error import ConfigurationError
-from diffdrive_kinematics.ros.parameters.entries import Entry, Kind
 from diffdrive_kinematics.ros.parameters.overrides import given_overrides
+from diffdrive_kinematics.ros.parameters.parameter_spec import Kind, ParameterSpec
 from diffdrive_kinematics.ros.parameters.qos import PREFIX as QOS_PREFIX
 from diffdrive_kinematics.ros.parameters.sections import doubts, params_files, sections_of
 from rcl_interfaces.msg import ParameterDescriptor, SetParametersResult
@@ -41,7 +41,7 @@ Config = TypeVar('Config')
 BUILT_IN = ('use_sim_time', 'start_type_description_service')
 
 
-def coerce(entry: Entry, value: Any) -> Any:
+def coerce(entry: ParameterSpec, value: Any) -> Any:
     """
     Return the value of a parameter in the type of its table entry.
 
@@ -99,7 +99,7 @@ class ParameterSet(Generic[Config]):
     ----------
     node : rclpy.node.Node
         The node to declare them on.
-    table : sequence of Entry
+    table : sequence of ParameterSpec
         What the node knows.
     build : callable
         Values by name -> frozen configuration; raises ``ValueError``.
@@ -114,7 +114,7 @@ class ParameterSet(Generic[Config]):
     """
 
     def __init__(
-            self, node: Node, table: Tuple[Entry, ...],
+            self, node: Node, table: Tuple[ParameterSpec, ...],
             build: Callable[[Mapping[str, Any]], Config],
             neighbours: Collection[str] = ()) -> None:
         self._node = node

@@ -24,7 +24,7 @@ import re
 from typing import (
     AbstractSet, Any, Collection, Iterator, List, Mapping, NamedTuple, Sequence, Set, Tuple)
 
-from diffdrive_kinematics.ros.parameters.entries import Entry
+from diffdrive_kinematics.ros.parameters.parameter_spec import ParameterSpec
 from diffdrive_kinematics.ros.parameters.tables import TABLES
 
 __all__ = ['Section', 'doubts', 'matches', 'params_files', 'sections_of']
@@ -102,8 +102,8 @@ def matches(key: str, node: str) -> bool:
 
 
 def doubts(
-        sections: Sequence[Section], node: str, table: Sequence[Entry], given: Mapping[str, Any],
-        neighbours: Collection[str] = ()) -> Iterator[str]:
+        sections: Sequence[Section], node: str, table: Sequence[ParameterSpec],
+        given: Mapping[str, Any], neighbours: Collection[str] = ()) -> Iterator[str]:
     """
     Yield a warning for each section that the node does not have and probably should.
 
@@ -113,7 +113,7 @@ def doubts(
         Of all params files.
     node : str
         Full name of the node.
-    table : sequence of Entry
+    table : sequence of ParameterSpec
         What it knows.
     given : mapping
         What was set for it, by name.
@@ -146,7 +146,7 @@ def doubts(
                    f"but {node} {reason}: was '/**/{name}' meant{executable}?")
 
 
-def _kin(table: Sequence[Entry]) -> Set[str]:
+def _kin(table: Sequence[ParameterSpec]) -> Set[str]:
     """Return the executables whose nodes take the parameters of the table."""
     names = {entry.name for entry in table}
     return {kind for kind, known in TABLES.items() if {entry.name for entry in known} == names}

@@ -18,8 +18,8 @@ import struct
 from typing import Any, Mapping, Optional, TYPE_CHECKING
 
 from diffdrive_kinematics.core.kinematics import Pose
+from diffdrive_kinematics.ros.messages.cdr import HEADER, NANOSECONDS, stamped_sequence
 from diffdrive_kinematics.ros.messages.messages import quaternion_of
-from diffdrive_kinematics.ros.messages.wire import HEADER, NANOSECONDS, stamped_sequence
 from nav_msgs.msg import Path
 
 if TYPE_CHECKING:
@@ -96,7 +96,7 @@ class PathPublisher:
         self._last: Optional[Pose] = None
         self._told_to = 0
         self._publisher = node.publisher(Path, values['path_topic'])
-        node.every(values['path_rate'], self._tell)
+        node.every(values['path_rate'], self._publish)
 
     def begin_anew(self) -> None:
         """Forget the way so far: a robot that was put elsewhere did not drive there."""
@@ -112,7 +112,7 @@ class PathPublisher:
         self._message.add(time_ns, pose)
         self._told_to = 0
 
-    def _tell(self) -> None:
+    def _publish(self) -> None:
         """Publish what somebody has not heard yet."""
         listeners = self._publisher.get_subscription_count()
         if len(self._message) and listeners > self._told_to:

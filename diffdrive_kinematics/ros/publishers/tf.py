@@ -17,8 +17,8 @@
 from typing import Any, Mapping, Tuple, TYPE_CHECKING
 
 from diffdrive_kinematics.core.kinematics import Pose
+from diffdrive_kinematics.ros.messages.cdr import Layout, Template
 from diffdrive_kinematics.ros.messages.messages import quaternion_of
-from diffdrive_kinematics.ros.messages.wire import Layout, Template
 
 if TYPE_CHECKING:
     from diffdrive_kinematics.ros.runtime.node import DiffDriveNode
@@ -55,7 +55,7 @@ class TransformMessage:
         self._template = Template(layout)
         self._numbers = self._template.doubles(at, 7)
 
-    def filled(self, stamp_ns: int, pose: Pose) -> bytes:
+    def encode(self, stamp_ns: int, pose: Pose) -> bytes:
         """Return the message with a stamp and the pose of the child frame."""
         self._template.stamp(stamp_ns, self._stamp_at)
         self._numbers[0], self._numbers[1] = pose.x, pose.y
@@ -93,4 +93,4 @@ class TransformPublisher:
             return
         if frames != self._message.frames:
             self._message = TransformMessage(*frames)
-        self._publisher.publish(self._message.filled(stamp_ns, pose))
+        self._publisher.publish(self._message.encode(stamp_ns, pose))

@@ -26,7 +26,8 @@ from diffdrive_kinematics.ros.messages.messages import NANOSECONDS, set_stamp
 from rclpy.publisher import Publisher
 
 __all__ = [
-    'Diagnosis', 'ERROR', 'Heard', 'Look', 'OK', 'Reporter', 'TOPIC', 'Trouble', 'WARN',
+    'ERROR', 'MessageStatistics', 'OK', 'Problem', 'RateSample', 'Reporter', 'Status', 'TOPIC',
+    'WARN',
     'heard_values', 'quiet', 'slowness', 'stamp_values', 'unheard']
 
 TOPIC = '/diagnostics'
@@ -39,21 +40,21 @@ SLOW = 0.8  # of the rate that is set
 FEWEST_TO_JUDGE = 5
 
 
-class Trouble(NamedTuple):
+class Problem(NamedTuple):
     """How bad it is, and what is wrong."""
 
     level: bytes
     message: str
 
 
-class Diagnosis(NamedTuple):
+class Status(NamedTuple):
     """What there is to tell: values by name, numbers or text, and what is wrong."""
 
     values: Mapping[str, Any]
-    troubles: List[Trouble]
+    problems: List[Problem]
 
 
-class Look(NamedTuple):
+class RateSample(NamedTuple):
     """A look at a node: when [ns], and the achieved rate [Hz] since the one before."""
 
     now_ns: int
@@ -61,7 +62,7 @@ class Look(NamedTuple):
     seconds: float = 0.0
 
 
-class Heard:
+class MessageStatistics:
     """What a node has heard: how much, when last, and how far stamps were from arrival."""
 
     def __init__(self) -> None:
@@ -87,7 +88,7 @@ class Heard:
         return (now_ns - self.last_ns) / NANOSECONDS if self.count else None
 
 
-def heard_values(heard: Heard, now_ns: int, what: str) -> Dict[str, Any]:
+def heard_values(heard: MessageStatistics, now_ns: int, what: str) -> Dict[str, Any]:
     """Return how much of what was heard, and how long ago."""
     return {f'age of the last {what} [s]': heard.age(now_ns), f'{what} messages': heard.count}
 
@@ -98,27 +99,27 @@ def stamp_values(counts: Mapping[str, int]) -> Dict[str, Any]:
             'clock steps in stamps': counts[Verdict.CLOCK_STEP.value]}
 
 
-def unheard(heard: Heard, topic: str, level: bytes = WARN) -> List[Trouble]:
+def unheard(heard: MessageStatistics, topic: str, level: bytes = WARN) -> List[Problem]:
     """Return that nothing was heard yet, where it is so."""
-    return [] if heard.count else [Trouble(level, f"nothing heard on '{topic}' yet")]
+    return [] if heard.count else [Problem(level, f"nothing heard on '{topic}' yet")]
 
 
 def quiet(
-        heard: Heard, now_ns: int, timeout: float, topic: str, *,
-        at_rest: bool = False) -> List[Trouble]:
+        heard: MessageStatistics, now_ns: int, timeout: float, topic: str, *,
+        at_rest: bool = False) -> List[Problem]:
     """Return that nothing was heard for a timeout [s], 0: never; at rest that is no trouble."""
     age = heard.age(now_ns)
     if age is None or not 0.0 < timeout < age:
         return []
     words = f"nothing heard on '{topic}' for {age:.1f} s"
-    return [Trouble(OK, f'at rest, {words}') if at_rest else Trouble(WARN, words)]
+    return [Problem(OK, f'at rest, {words}') if at_rest else Problem(WARN, words)]
 
 
-def slowness(look: Look, rate: float) -> List[Trouble]:
+def slowness(look: RateSample, rate: float) -> List[Problem]:
     """Return the trouble of publishing clearly less often than the rate [Hz] that is set."""
     if look.rate is None or look.seconds * rate < FEWEST_TO_JUDGE or look.rate >= SLOW * rate:
         return []
-    return [Trouble(WARN, f'publishes at {look.rate:.1f} Hz, set to {rate:.1f}')]
+    return [Problem(WARN, f'publishes at {look.rate:.1f} Hz, set to {rate:.1f}')]
 
 
 class Reporter:
@@ -141,37 +142,37 @@ class Reporter:
         self._counts: Dict[str, int] = {}
         self._look_ns, self._sent = 0, 0
 
-    def look(self, now_ns: int, sent: int) -> Look:
+    def look(self, now_ns: int, sent: int) -> RateSample:
         """Return a look at a node that has sent so many messages."""
         seconds = (now_ns - self._look_ns) / NANOSECONDS
         known = self._sent > 0 and self._look_ns > 0 and seconds > 0.0
         rate = (sent - self._sent) / seconds if known else None
         self._look_ns, self._sent = now_ns, sent
-        return Look(now_ns, rate, seconds)
+        return RateSample(now_ns, rate, seconds)
 
     def clock_stepped(self, step_ns: int) -> None:
         """Note that the clock of the looks was stepped."""
         self._look_ns += step_ns
 
-    def report(self, now_ns: int, diagnosis: Diagnosis) -> None:
-        """Publish a diagnosis; what was counted since the last one is trouble, too."""
-        troubles = [*self._grown(diagnosis.values), *diagnosis.troubles]
+    def report(self, now_ns: int, status: Status) -> None:
+        """Publish a status; what was counted since the last one is trouble, too."""
+        problems = [*self._grown(status.values), *status.problems]
         if not self._publisher.get_subscription_count():
             return
-        troubles.sort(key=lambda trouble: -SEVERITY.index(trouble.level))
-        self._status.level = troubles[0].level if troubles else OK
-        self._status.message = '; '.join(trouble.message for trouble in troubles) or 'ok'
+        problems.sort(key=lambda trouble: -SEVERITY.index(trouble.level))
+        self._status.level = problems[0].level if problems else OK
+        self._status.message = '; '.join(trouble.message for trouble in problems) or 'ok'
         self._status.values = [
-            KeyValue(key=key, value=_text(value)) for key, value in diagnosis.values.items()]
+            KeyValue(key=key, value=_text(value)) for key, value in status.values.items()]
         set_stamp(self._message.header.stamp, now_ns)
         self._publisher.publish(self._message)
 
-    def _grown(self, values: Mapping[str, Any]) -> List[Trouble]:
+    def _grown(self, values: Mapping[str, Any]) -> List[Problem]:
         """Return the alarms that have gone up since the last look."""
         before, self._counts = self._counts, {
             name: values[name] for name in ALARMS if name in values}
         return [
-            Trouble(ALARMS[name], f'{name}: {count - before.get(name, 0)} more, {count} in all')
+            Problem(ALARMS[name], f'{name}: {count - before.get(name, 0)} more, {count} in all')
             for name, count in self._counts.items() if count > before.get(name, 0)]
 
 

@@ -22,20 +22,21 @@ from typing import (
 
 from diagnostic_msgs.msg import DiagnosticArray
 from diffdrive_kinematics.core.odometry import Verdict
-from diffdrive_kinematics.ros.parameters.entries import Entry
 from diffdrive_kinematics.ros.parameters.overrides import given_overrides
+from diffdrive_kinematics.ros.parameters.parameter_spec import ParameterSpec
 from diffdrive_kinematics.ros.parameters.parameters import ConfigurationError, ParameterSet
 from diffdrive_kinematics.ros.parameters.qos import (
     check_delivery, Override, overrides_from, overriding_options, reliable)
 from diffdrive_kinematics.ros.runtime.clocks import (
     clock_ns, period_ns, SteadyTimers, SteppedClock, StepWatch, Timer, Timers)
-from diffdrive_kinematics.ros.runtime.diagnostics import Diagnosis, Heard, Look, Reporter, TOPIC
-from diffdrive_kinematics.ros.runtime.last_word import repeat_until_heard
+from diffdrive_kinematics.ros.runtime.diagnostics import (
+    MessageStatistics, RateSample, Reporter, Status, TOPIC)
+from diffdrive_kinematics.ros.runtime.final_command import repeat_until_heard
+from diffdrive_kinematics.ros.runtime.in_flight_messages import InFlightMessages
 from diffdrive_kinematics.ros.runtime.polling import (
     informing, numbering, Poll, QUEUE_DEPTH as POLLED_QUEUE_DEPTH)
-from diffdrive_kinematics.ros.runtime.refusals import checked_clock, refusal
+from diffdrive_kinematics.ros.runtime.rejected import checked_clock, rejected
 from diffdrive_kinematics.ros.runtime.simulated_clock import ClockWatch
-from diffdrive_kinematics.ros.runtime.traffic import Traffic
 from rclpy.clock import Clock
 from rclpy.clock_type import ClockType
 from rclpy.impl.implementation_singleton import rclpy_implementation
@@ -81,7 +82,7 @@ class DiffDriveNode(Node, Generic[Config]):
     timers : SteadyTimers, optional
         Shared timers of a process that fires them itself (``running.spin``); without them, and
         on simulated time, the node has timers of rclpy, and any executor will do.
-    traffic : Traffic, optional
+    in_flight : InFlightMessages, optional
         Counts messages between the nodes of such a process.
     neighbours : collection of str, optional
         Names of all nodes of the process, where it has several.
@@ -94,15 +95,15 @@ class DiffDriveNode(Node, Generic[Config]):
     """
 
     def __init__(
-            self, name: str, table: Tuple[Entry, ...],
+            self, name: str, table: Tuple[ParameterSpec, ...],
             build: Callable[[Mapping[str, Any]], Config], *, namespace: str = '',
-            stepped: Optional[SteppedClock] = None, traffic: Optional[Traffic] = None,
+            stepped: Optional[SteppedClock] = None, in_flight: Optional[InFlightMessages] = None,
             timers: Optional[SteadyTimers] = None, neighbours: Collection[str] = ()) -> None:
         self._polled: Set[Subscription] = set()
-        self.urgent = False  # whether something comes that cannot wait for the next look
+        self.needs_wakeup = False  # whether something comes that cannot wait for the next look
         super().__init__(name, namespace=namespace or None)
         self._stepped = stepped
-        self._traffic = traffic
+        self._in_flight = in_flight
         self._steady_timers = timers
         self.time_clock: Clock = stepped.ros_clock if stepped else self.get_clock()
         self._step_watch = StepWatch(self.time_clock)
@@ -112,7 +113,7 @@ class DiffDriveNode(Node, Generic[Config]):
         self.done = False
         self._topics: Set[str] = set()
         self._qos_overrides = self._judged_overrides()
-        self.heard, self.sent = Heard(), 0
+        self.statistics, self.sent = MessageStatistics(), 0
         self._reporter: Optional[Reporter] = None
         self.parameters: ParameterSet[Config] = ParameterSet(self, table, build, neighbours)
         self._start_diagnostics(self.parameters.values.get('diagnostics_rate', 0.0))
@@ -134,7 +135,7 @@ class DiffDriveNode(Node, Generic[Config]):
         now_ns, step_ns = self._step_watch.now_and_step()
         if step_ns:
             self.counts['clock steps'] += 1
-            self.heard.clock_stepped(step_ns)
+            self.statistics.clock_stepped(step_ns)
             if self._reporter:
                 self._reporter.clock_stepped(step_ns)
             self.get_logger().warning(f'the clock was stepped by {step_ns / 1e9:.3f} s')
@@ -149,7 +150,7 @@ class DiffDriveNode(Node, Generic[Config]):
         """
         if self._beat:
             return self._beat.create_timer(period_ns(rate), callback)
-        self.urgent = True
+        self.needs_wakeup = True
         clock = self.time_clock
         if not clock.ros_time_is_active:
             clock = Clock(clock_type=ClockType.STEADY_TIME)
@@ -203,13 +204,13 @@ class DiffDriveNode(Node, Generic[Config]):
         """Return a publisher, reliable where no profile says otherwise."""
         publisher = self._endpoint(
             self.create_publisher, message_type, topic, 'publisher', profile)
-        if self._traffic:
-            self._traffic.count_sent(publisher, self.get_fully_qualified_name())
+        if self._in_flight:
+            self._in_flight.count_sent(publisher, self.get_fully_qualified_name())
         return publisher
 
     def sender(self, publisher: Publisher) -> Callable[[bytes], None]:
         """Return what publishes serialised messages, and does not look at them again."""
-        if self._traffic:
+        if self._in_flight:
             return lambda data: publisher.publish(data)
         return publisher.handle.publish_raw
 
@@ -223,14 +224,14 @@ class DiffDriveNode(Node, Generic[Config]):
 
     def subscribe(
             self, message_type: type, topic: str, callback: Callable[[Any], None], *,
-            raw: bool = False, best_effort: bool = False, urgent: bool = True,
+            raw: bool = False, best_effort: bool = False, needs_wakeup: bool = True,
             informed: bool = False, numbered: bool = False) -> Subscription:
         """
         Return a reliable subscription; ``raw`` hands the callback serialised messages.
 
         One that is ``informed`` gets, as a second argument, what the middleware knows of them.
 
-        What is not ``urgent`` may wait for a tenth of a second (see ``running.spin``).
+        What is not ``needs_wakeup`` may wait for a tenth of a second (see ``running.spin``).
 
         With ``best_effort`` it hears publishers of either kind: trackers offer no more than that.
 
@@ -240,10 +241,10 @@ class DiffDriveNode(Node, Generic[Config]):
         A ``ValueError`` of the callback refuses the message: it is counted and reported, and
         the node lives on.
         """
-        self.urgent = self.urgent or urgent
+        self.needs_wakeup = self.needs_wakeup or needs_wakeup
         guarded = self._guarded(topic, callback)
-        if self._traffic:
-            guarded = self._traffic.counted(self.resolve_topic_name(topic), guarded)
+        if self._in_flight:
+            guarded = self._in_flight.counted(self.resolve_topic_name(topic), guarded)
         hear = guarded
         if informed:
             hear = informing(guarded)
@@ -311,7 +312,7 @@ class DiffDriveNode(Node, Generic[Config]):
                 return callback(request, response)
             except ValueError as error:
                 self.refuse(f"request of '{srv_name}': {error}")
-                return refusal(request, response, str(error))
+                return rejected(request, response, str(error))
 
         return super().create_service(srv_type, srv_name, guarded, *arguments, **options)
 
@@ -355,8 +356,8 @@ class DiffDriveNode(Node, Generic[Config]):
 
     def unsubscribe(self, subscription: Subscription) -> None:
         """Destroy a subscription."""
-        if self._traffic:
-            self._traffic.remove_listener(subscription.topic_name)
+        if self._in_flight:
+            self._in_flight.remove_listener(subscription.topic_name)
         self._topics.discard(subscription.topic_name)
         self.destroy_subscription(subscription)
 
@@ -370,16 +371,16 @@ class DiffDriveNode(Node, Generic[Config]):
     def _report(self) -> None:
         """Publish how the node is."""
         look = self._reporter.look(self.now_ns(), self.sent)
-        values, troubles = self.diagnosis(look)
+        values, problems = self.status(look)
         if self._clock_watch and self.time_clock.ros_time_is_active:
-            troubles = [*self._clock_watch.troubles(), *troubles]
-        self._reporter.report(look.now_ns, Diagnosis(
+            problems = [*self._clock_watch.problems(), *problems]
+        self._reporter.report(look.now_ns, Status(
             {**values, 'refused': self.counts['refused'],
-             'clock steps': self.counts['clock steps']}, troubles))
+             'clock steps': self.counts['clock steps']}, problems))
 
-    def diagnosis(self, look: Look) -> Diagnosis:
+    def status(self, look: RateSample) -> Status:
         """Return what only this node can tell about its health."""
-        return Diagnosis({}, [])
+        return Status({}, [])
 
     def refuse(self, reason: str) -> None:
         """Count and report what was refused; at most one report a second."""
@@ -402,16 +403,16 @@ class DiffDriveNode(Node, Generic[Config]):
         """Return whether the node has all it can have before time begins to pass."""
         return True
 
-    def last_word(self) -> Sequence[Publisher]:
+    def final_command(self) -> Sequence[Publisher]:
         """Publish what must be said before the node goes, and return the publishers used."""
         return ()
 
     def close(self) -> None:
         """Say the last word, and see that it is heard; called once, while it still can be said."""
         if self._stepped:
-            self.last_word()
+            self.final_command()
         else:
-            repeat_until_heard(self, self.last_word)
+            repeat_until_heard(self, self.final_command)
 
 
 def _nobody(_: bytes) -> None:

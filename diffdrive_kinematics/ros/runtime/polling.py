@@ -93,7 +93,7 @@ class Poll:
             data, told = taken
             self._callback(data, told['received_timestamp'], _number_in(told))
 
-    def promise(self, rate: float) -> None:
+    def set_poll_rate(self, rate: float) -> None:
         """Be told the rate [Hz] at which ``take`` is called from now on."""
         if self._timer:
             self._node.stop_timer(self._timer)

@@ -28,11 +28,11 @@ import time
 from typing import Callable, Iterable, List, Optional
 
 from diffdrive_kinematics.ros.parameters.parameters import ConfigurationError
+from diffdrive_kinematics.ros.runtime.clock_step_guard import ClockStepGuard
 from diffdrive_kinematics.ros.runtime.clocks import SteadyTimers
 from diffdrive_kinematics.ros.runtime.logs import check_log_directory, with_remedy
 from diffdrive_kinematics.ros.runtime.node import DiffDriveNode
 from diffdrive_kinematics.ros.runtime.output import complain, open_stderr
-from diffdrive_kinematics.ros.runtime.waking import Awake
 import rclpy
 from rclpy.exceptions import NameValidationException
 from rclpy.executors import Executor, ExternalShutdownException, SingleThreadedExecutor
@@ -91,21 +91,21 @@ def make_executor(nodes: Iterable[DiffDriveNode], kind: str = 'auto') -> Executo
 
 def spin(
         executor: Executor, timers: SteadyTimers, finished: Callable[[], bool], stop: Stop, *,
-        urgent: bool = True) -> None:
+        needs_wakeup: bool = True) -> None:
     """
     Spin, and fire timers, until finished or asked to stop.
 
-    Where nothing is ``urgent``, the time until a timer is due is slept away, which costs less
+    Where nothing ``needs_wakeup``, the time until a timer is due is slept away, which costs less
     than to wait in the executor; it is asked ten times a second, and until it has nothing more
     to do.
     """
     gc.freeze()  # what start-up made stays: nothing is gained by looking at it again and again
     spin_once, seconds_left, fire_due = executor.spin_once, timers.seconds_left, timers.fire_due
     monotonic, ask_at = time.monotonic, 0.0
-    with Awake(executor):
+    with ClockStepGuard(executor):
         while not stop and not finished():
             now, left = monotonic(), seconds_left(SPIN_TIMEOUT_S)
-            if urgent or now >= ask_at:
+            if needs_wakeup or now >= ask_at:
                 spin_once(timeout_sec=left)
                 if monotonic() >= now + left:
                     ask_at = now + ASK_PERIOD_S
@@ -151,7 +151,7 @@ def spin_node(node: DiffDriveNode, timers: SteadyTimers, stop: Stop) -> None:
     """Spin one node until it is done or asked to stop, and let it say its last word."""
     executor = make_executor([node], node.parameters.values['executor'])
     try:
-        spin(executor, timers, lambda: node.done, stop, urgent=node.urgent)
+        spin(executor, timers, lambda: node.done, stop, needs_wakeup=node.needs_wakeup)
     finally:
         finish([node], executor)
 

@@ -22,7 +22,7 @@ from collections import deque
 import time
 from typing import Any, Deque, List
 
-from diffdrive_kinematics.ros.runtime.diagnostics import Trouble, WARN
+from diffdrive_kinematics.ros.runtime.diagnostics import Problem, WARN
 
 __all__ = ['ClockWatch', 'LOOK_RATE', 'WAITING']
 
@@ -65,12 +65,12 @@ class ClockWatch:
         pace_s = sorted(self._paces)[-2]
         return self.stood_s() > max(STANDS_S, min(PACES * pace_s, PAUSE_S))
 
-    def troubles(self) -> List[Trouble]:
+    def problems(self) -> List[Problem]:
         """Return what is wrong with the clock."""
         stood_s = self.stood_s()
         if not self._shown_ns:
-            return [Trouble(WARN, WAITING)]
-        return [Trouble(WARN, self._standing(stood_s))] if stood_s > PAUSE_S else []
+            return [Problem(WARN, WAITING)]
+        return [Problem(WARN, self._standing(stood_s))] if stood_s > PAUSE_S else []
 
     def _look(self) -> None:
         stood_s = self.stood_s()

@@ -19,8 +19,8 @@ from collections import Counter
 import math
 
 from diffdrive_kinematics.core.calibration import (
-    Clock, fit_segment_slip, fit_trajectory, linearised, NO_FRAME, segment_from_positions,
-    Systematic, Windows, windows_between)
+    CalibrationParameters, Clock, fit_segment_slip, fit_trajectory, linearised, NO_FRAME,
+    segment_from_positions, Windows, windows_between)
 from diffdrive_kinematics.core.kinematics import Pose, WheelGeometry
 from drives import curved_twists, Disturbance, drive, EXACT, GEOMETRY, Truth
 from end_points import encoder_segment, predicted_end
@@ -164,21 +164,21 @@ def test_windows_with_an_end_in_a_gap_are_left_out():
     assert fit.windows + fit.in_gaps == whole.windows
 
 
-@pytest.mark.parametrize('field', Systematic._fields)
+@pytest.mark.parametrize('field', CalibrationParameters._fields)
 def test_the_derivatives_are_those_of_the_errors(field):
-    segment, truth = drive(1), Systematic(1.01, 0.99, 1.02, 0.1, -0.2, 0.1, 0.06, 1e-3)
+    segment, truth = drive(1), CalibrationParameters(1.01, 0.99, 1.02, 0.1, -0.2, 0.1, 0.06, 1e-3)
     windows = windows_between(segment, (2.0, 7.0), 0.5, 0.1)
     step = 1e-5
     there, here = (linearised(GEOMETRY, segment, windows, truth._replace(
         **{field: getattr(truth, field) + way})).error for way in (step, -step))
-    number = Systematic._fields.index(field)
+    number = CalibrationParameters._fields.index(field)
     derivative = linearised(GEOMETRY, segment, windows, truth).jacobian[:, :, number]
     np.testing.assert_allclose(derivative, (there - here) / (2.0 * step), rtol=2e-2,
                                atol=2e-2 * np.abs(derivative).max())
 
 
 def test_the_derivatives_by_the_reference_are_those_of_the_errors():
-    segment, truth = drive(1), Systematic(x=0.1, y=-0.2, yaw=0.1)
+    segment, truth = drive(1), CalibrationParameters(x=0.1, y=-0.2, yaw=0.1)
     windows = windows_between(segment, (5.0,), 60.0, 0.1)
     row = {'at_start': windows.start[0], 'at_end': windows.end[0]}
     base = linearised(GEOMETRY, segment, windows, truth)

@@ -62,7 +62,7 @@ def driven(settings, course, end=None, polls=()):
 @given(courses, st.integers(0, 5 * S))
 def test_the_angles_are_the_closed_form_of_the_commands(course, later):
     end = course[-1][0] + later
-    told = driven(ENDLESS, course)[0].told(end)
+    told = driven(ENDLESS, course)[0].command_at(end)
     for side in (0, 1):
         exact = math.fsum(
             wheel_rates_from_twist(GEOMETRY, *twist)[side] * (until - stamp) / 1e9
@@ -81,7 +81,7 @@ def test_the_angles_told_are_the_integral_of_the_rates_told(settings, course):
     assert stamps == sorted(set(stamps)), 'changes are in order, each at its own time'
     for side in (0, 1):
         angle, before = 0.0, None
-        for change in [*changes, drive.told(course[-1][0] + 5 * S)]:
+        for change in [*changes, drive.command_at(course[-1][0] + 5 * S)]:
             if before:
                 angle += before.rates[side] * (change.stamp_ns - before.stamp_ns) / 1e9
             assert change.angles[side] == pytest.approx(angle, abs=1e-11)
@@ -124,7 +124,7 @@ def test_a_command_at_the_very_deadline_comes_after_the_stop():
 
 def test_a_timeout_of_zero_is_never():
     drive, _ = driven(ENDLESS, [(0, AHEAD)], end=10**6 * S)
-    assert drive.told(10**6 * S).twist == AHEAD
+    assert drive.command_at(10**6 * S).twist == AHEAD
     assert drive.deadline_ns is None
 
 
@@ -264,7 +264,7 @@ def test_new_settings_hold_from_now_on_with_the_same_target_and_deadline():
     changed, (change,) = drive.configured(other, 100 * MS)
     assert (change.stamp_ns, change.twist) == (100 * MS, AHEAD)
     assert change.rates == wheel_rates_from_twist(other.geometry, *AHEAD)
-    assert change.angles == drive.told(100 * MS).angles
+    assert change.angles == drive.command_at(100 * MS).angles
     _, (stop,) = changed.advanced(9 * S)
     assert stop.stamp_ns == 500 * MS
 
@@ -311,7 +311,7 @@ def test_settings_that_change_nothing_tell_nothing():
     drive, _ = driven(PLAIN, [(0, AHEAD)])
     changed, changes = drive.configured(PLAIN, 100 * MS)
     assert changes == []
-    assert changed.told(S) == drive.told(S)
+    assert changed.command_at(S) == drive.command_at(S)
 
 
 def test_new_settings_come_after_what_was_due_before_them():
@@ -379,23 +379,23 @@ def test_a_ramp_whose_limits_are_lifted_arrives_at_once():
 def test_a_drive_that_was_never_commanded_stands_and_tells_so():
     drive, changes = driven(RAMPS, [], end=99 * S)
     assert changes == []
-    assert drive.told(99 * S) == (99 * S, (0.0, 0.0), (0.0, 0.0), STILL)
+    assert drive.command_at(99 * S) == (99 * S, (0.0, 0.0), (0.0, 0.0), STILL)
 
 
 def test_what_is_told_is_never_before_the_last_change():
     drive, (change,) = driven(PLAIN, [(S, AHEAD)])
-    assert drive.told(0) == change
+    assert drive.command_at(0) == change
 
 
 @pytest.mark.parametrize('settings', [PLAIN, EVERYTHING])
 def test_a_drive_that_is_halted_stands_from_then_on_however_often_and_whatever_was_under_way(
         settings):
     drive, (*_, last) = driven(settings, [(S, AHEAD)], end=S + 100 * MS)
-    moving, halted = drive.told(S + 115 * MS), drive.halted(S + 115 * MS)
+    moving, halted = drive.command_at(S + 115 * MS), drive.halted(S + 115 * MS)
     for drive_at_rest in (halted, halted.halted(S + 135 * MS)):
-        assert drive_at_rest.told(9 * S) == (9 * S, (0.0, 0.0), moving.angles, STILL)
+        assert drive_at_rest.command_at(9 * S) == (9 * S, (0.0, 0.0), moving.angles, STILL)
     assert halted.advanced(9 * S) == (halted, [])
-    assert drive.halted(last.stamp_ns).told(last.stamp_ns).stamp_ns == last.stamp_ns + 1
+    assert drive.halted(last.stamp_ns).command_at(last.stamp_ns).stamp_ns == last.stamp_ns + 1
 
 
 @pytest.mark.parametrize('rate', [1.0, 10.0, 500.0])

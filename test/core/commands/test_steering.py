@@ -68,7 +68,7 @@ def random_starts(seed, n=STARTS):
 def driven(steer, pose, noise=None):
     """Return the poses on the way, and the last word, of a robot with the limits of the YAML."""
     drive, now_ns, way = Drive(SETTINGS, 0), 0, [pose]
-    before = drive.told(0).angles
+    before = drive.command_at(0).angles
     while now_ns < LATEST_S * 1e9:
         seen = pose if noise is None else pose._replace(theta=pose.theta + noise.normal(0.0, 2e-3))
         steered = steer(seen)
@@ -77,7 +77,7 @@ def driven(steer, pose, noise=None):
         drive, _ = drive.commanded(steered.twist, now_ns)
         now_ns += TICK_NS
         drive, _ = drive.advanced(now_ns)
-        after = drive.told(now_ns).angles
+        after = drive.command_at(now_ns).angles
         travel = travel_from_angles(SETTINGS.geometry, *(a - b for a, b in zip(after, before)))
         pose, before = advance(pose, *pose_change_from_travel(SETTINGS.geometry, *travel)), after
         way.append(pose)

@@ -174,7 +174,7 @@ def test_the_belief_is_consistent_over_1000_runs_up_to_this_yaw(course, yaw):
     """
     Note how far the linear propagation of a course carries.
 
-    What breaks it is not the yaw alone but the way that it swings: a closed course stays
+    What breaks it is not the yaw alone but the way that it pose_jacobians: a closed course stays
     consistent further than a straight of ten wheel separations, whose variance along the track
     is small.
     """

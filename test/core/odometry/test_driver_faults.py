@@ -32,7 +32,7 @@ def test_a_pause_after_the_first_message_is_no_usual_interval(pause_s, velocity)
     messages = messages[:1] + tuple(
         each for each in messages if seconds_of(each[0]) > pause_s)
     _, odometry = driven(base(), messages)
-    assert odometry.at(messages[-1][0]).rates[0] == pytest.approx(RATE)
+    assert odometry.predict(messages[-1][0]).rates[0] == pytest.approx(RATE)
     assert odometry.measured.window.usual_ns < 40 * MS
 
 
@@ -60,10 +60,10 @@ def test_a_clock_that_is_slow_never_takes_the_base_back(kind, slow_ppm):
         arrival = START_NS + number * 20 * MS
         stamp = arrival - 5 * S - number * 20 * MS * slow_ppm // 10**6
         angle = RATE * number * 0.02
-        odometry, _ = odometry.received(WheelSample(
+        odometry, _ = odometry.update(WheelSample(
             stamp, None if kind == 'positions' else (RATE, RATE),
             None if kind == 'rates' else (angle, angle)), arrival + MS)
-        angles += [odometry.at(arrival + wait * MS).angles[0] for wait in (1, 6, 11, 16)]
+        angles += [odometry.predict(arrival + wait * MS).angles[0] for wait in (1, 6, 11, 16)]
         assert angles[-1] <= RATE * (0.02 * number + 0.3)
     assert min(b - a for a, b in zip(angles, angles[1:])) >= -1e-9
 
@@ -74,11 +74,11 @@ def test_a_clock_that_drifts_from_the_own_one_until_it_is_another_takes_no_base_
     odometry, angles, twists = base(), [], set()
     for number in range(60_000 // period_ms):
         arrival, seconds = START_NS + number * period_ms * MS, number * period_ms / 1e3
-        odometry, verdict = odometry.received(WheelSample(
+        odometry, verdict = odometry.update(WheelSample(
             arrival - round(seconds * 5e-3 * S), (RATE, RATE)), arrival)
         assert verdict is not Verdict.OUT_OF_ORDER and verdict is not Verdict.CLOCK_STEP
         for wait in 0, period_ms // 2:
-            reading = odometry.at(arrival + wait * MS)
+            reading = odometry.predict(arrival + wait * MS)
             angles.append(reading.angles[0])
             twists.add(reading.rates)
     assert odometry.clock.differs
@@ -90,10 +90,10 @@ def test_a_clock_that_starts_behind_and_drifts_on_stops_no_wheel():
     odometry = base()
     for number in range(3000):
         arrival = START_NS + number * 100 * MS
-        odometry, _ = odometry.received(WheelSample(
+        odometry, _ = odometry.update(WheelSample(
             arrival - 200 * MS - number * MS // 10, (RATE, RATE)), arrival)
         for wait in 0, 50, 99:
-            assert odometry.at(arrival + wait * MS).rates == (RATE, RATE), number
+            assert odometry.predict(arrival + wait * MS).rates == (RATE, RATE), number
 
 
 @pytest.mark.parametrize('period_ms', [20, 100])
@@ -104,13 +104,13 @@ def test_one_velocity_that_is_wrong_does_the_harm_of_one_message(period_ms, spik
     for number in range(at + 20):
         arrival = START_NS + number * period_ms * MS
         angle, rate = RATE * number * period_ms / 1e3, spike if number == at else RATE
-        odometry, _ = odometry.received(WheelSample(
+        odometry, _ = odometry.update(WheelSample(
             arrival, (rate, rate), (angle, angle)), arrival)
         if number < at - 5:
             continue
         message = RATE * period_ms / 1e3
         for wait in 0, period_ms - 1:
-            error = odometry.at(arrival + wait * MS).angles[0] - RATE * (
+            error = odometry.predict(arrival + wait * MS).angles[0] - RATE * (
                 number * period_ms + wait) / 1e3
             assert abs(error) <= (3.0 if number == at else 1.0 if number == at + 1 else
                                   1e-6) * message + 1e-9, number
@@ -120,9 +120,9 @@ def test_positions_that_come_now_and_then_do_not_stop_the_twist():
     odometry = base()
     for number in range(50):
         arrival, angle = START_NS + number * 10 * MS, RATE * number * 0.01
-        odometry, _ = odometry.received(WheelSample(
+        odometry, _ = odometry.update(WheelSample(
             arrival, (RATE, RATE), (angle, angle) if number % 10 == 9 else None), arrival)
-        assert odometry.at(arrival).rates == pytest.approx((RATE, RATE))
+        assert odometry.predict(arrival).rates == pytest.approx((RATE, RATE))
 
 
 def test_a_shorter_timeout_makes_a_clock_that_is_behind_another_one():
@@ -132,8 +132,8 @@ def test_a_shorter_timeout_makes_a_clock_that_is_behind_another_one():
         arrival = START_NS + number * 20 * MS
         if number == 100:
             odometry = odometry.configured(GEOMETRY, 100 * MS, arrival - MS)
-        odometry, _ = odometry.received(WheelSample(arrival - 200 * MS, (RATE, RATE)), arrival)
-        assert odometry.at(arrival + 5 * MS).rates == (RATE, RATE), number
+        odometry, _ = odometry.update(WheelSample(arrival - 200 * MS, (RATE, RATE)), arrival)
+        assert odometry.predict(arrival + 5 * MS).rates == (RATE, RATE), number
 
 
 @pytest.mark.parametrize('period_ms, latency_ms', [(20, 45), (20, 200), (1, 5), (100, 150)])
@@ -145,11 +145,11 @@ def test_messages_under_way_while_the_base_is_put_elsewhere_or_set_anew_are_in_o
     for number in range(100):
         arrival = START_NS + (number * period_ms + latency_ms) * MS
         if number == 50:
-            odometry = odometry.placed_at(
+            odometry = odometry.set_pose(
                 Pose(0.0, 0.0, 0.0), NO_COVARIANCE, arrival - MS // 2) if what == 'placed' \
                 else odometry.configured(WheelGeometry(0.17, RADIUS), S // 2, arrival - MS // 2)
         angle = RATE * number * period_ms / 1e3
-        odometry, verdict = odometry.received(WheelSample(
+        odometry, verdict = odometry.update(WheelSample(
             arrival - latency_ms * MS, (RATE, RATE) if kind == 'rates' else None,
             (angle, angle) if kind == 'positions' else None), arrival)
         verdicts.append(verdict)

@@ -65,9 +65,9 @@ def test_wheels_stop_a_timeout_after_the_last_message_arrived_whatever_its_clock
     lag = 0 if clock == 'own' else driver.latency_ns
     stop_ns = last - driver.latency_ns + lag + S // 2
     tolerance = 4 * MS  # what the least latency has risen by
-    assert odometry.at(stop_ns - tolerance).rates == pytest.approx((RATE, RATE))
-    assert odometry.at(stop_ns + tolerance).rates == ZERO
-    assert readings[-1][1].angles[0] == odometry.at(stop_ns + tolerance).angles[0]
+    assert odometry.predict(stop_ns - tolerance).rates == pytest.approx((RATE, RATE))
+    assert odometry.predict(stop_ns + tolerance).rates == ZERO
+    assert readings[-1][1].angles[0] == odometry.predict(stop_ns + tolerance).angles[0]
     assert backward(readings) <= 0.0
 
 
@@ -89,11 +89,11 @@ def test_a_driver_on_wall_time_moves_a_base_on_simulated_time_at_the_pace_of_its
            for arrival, sample in driver.messages(6.0)]
     odometry, angles = base(), []
     for arrival, sample in sim:
-        odometry, _ = odometry.received(sample, arrival)
-        angles += [odometry.at(arrival + wait).angles[0] for wait in (0, 5 * MS)]
+        odometry, _ = odometry.update(sample, arrival)
+        angles += [odometry.predict(arrival + wait).angles[0] for wait in (0, 5 * MS)]
         assert angles[-2] == pytest.approx(RATE * seconds_of(sample.stamp_ns), abs=1e-6)
     assert all(a <= b for a, b in zip(angles, angles[1:]))
-    assert odometry.clock.differs and odometry.at(arrival).rates[0] == pytest.approx(RATE)
+    assert odometry.clock.differs and odometry.predict(arrival).rates[0] == pytest.approx(RATE)
 
 
 def test_a_clock_that_agrees_is_not_mapped_by_a_bit():
@@ -102,7 +102,7 @@ def test_a_clock_that_agrees_is_not_mapped_by_a_bit():
     assert not odometry.clock.apart
     time = odometry.motion.anchor_ns + 3 * S + 7
     unmapped = odometry._replace(clock=base().clock)
-    assert odometry.at(time) == unmapped.at(time)
+    assert odometry.predict(time) == unmapped.predict(time)
 
 
 def pairs_of(rate, gap_ns, stamped=True):
@@ -121,8 +121,8 @@ def test_messages_in_pairs_publish_the_speed_that_they_amount_to(gap_ns):
     rate = 0.165 / RADIUS
     odometry, speeds = base(), []
     for arrival, sample in pairs_of(rate, gap_ns):
-        odometry, _ = odometry.received(sample, arrival)
-        speeds.append(odometry.at(arrival).twist[0])
+        odometry, _ = odometry.update(sample, arrival)
+        speeds.append(odometry.predict(arrival).twist[0])
     assert max(speeds) <= 0.165 * 1.001
     assert min(speeds[20:]) >= 0.165 * 0.9
 
@@ -161,10 +161,10 @@ def test_a_burst_after_a_stall_with_stamps_of_arrival_is_no_high_speed():
         if 100 <= number < 150:
             arrival = START_NS + 150 * 20 * MS - (150 - number) * 10_000
         angle = RATE * number * 0.02
-        odometry, verdict = odometry.received(WheelSample(
+        odometry, verdict = odometry.update(WheelSample(
             arrival, None, (angle, angle)), arrival)
         assert verdict is not Verdict.JUMPED
-        speeds.append(odometry.at(arrival).rates[0])
+        speeds.append(odometry.predict(arrival).rates[0])
     assert max(speeds) <= RATE * 1.3
     assert speeds[-1] == pytest.approx(RATE)
 
@@ -173,8 +173,8 @@ def test_the_window_is_as_long_as_it_is_set():
     for size in 1, 4, 10:
         odometry = base(unmeasured=MeasuredWheels(window=RateWindow(size)))
         for arrival, sample in Driver(ramp(10.0, 0.0, 10.0)).messages(3.0):
-            odometry, _ = odometry.received(sample, arrival)
-        assert odometry.at(arrival).rates[0] == pytest.approx(3.0 - size * 0.01, abs=1e-6)
+            odometry, _ = odometry.update(sample, arrival)
+        assert odometry.predict(arrival).rates[0] == pytest.approx(3.0 - size * 0.01, abs=1e-6)
 
 
 WRONG = {
@@ -217,7 +217,7 @@ def test_velocities_that_agree_again_are_used_again():
     tell.wrong = False
     for arrival, sample in driver.messages(9.0):
         if sample.stamp_ns > odometry.motion.last_ns:
-            odometry, _ = odometry.received(sample, arrival)
+            odometry, _ = odometry.update(sample, arrival)
     check = odometry.measured.check
     assert check.believed and check.disagreement is None
     assert odometry.motion.rates == pytest.approx((RATE, RATE))
@@ -226,7 +226,7 @@ def test_velocities_that_agree_again_are_used_again():
 def test_one_wheel_that_is_wrong_is_named():
     odometry = base()
     for arrival, sample in Driver(steady(RATE), velocity=lambda rate: rate).messages(5.0):
-        odometry, _ = odometry.received(WheelSample(
+        odometry, _ = odometry.update(WheelSample(
             sample.stamp_ns, (RATE, -RATE), sample.positions), arrival)
     assert odometry.measured.check.disagreement.side == 'right'
 
@@ -258,10 +258,10 @@ def test_extrapolation_ends_after_a_few_intervals_of_silence_and_rates_after_the
     last = messages[-1][1].stamp_ns
     _, odometry = driven(base(), messages)
     known = 4.0 * RATE
-    assert odometry.at(last + 150 * MS).angles[0] == pytest.approx(known + 0.15 * RATE)
-    assert odometry.at(last + 60 * S).angles == odometry.at(last + 150 * MS).angles
-    assert odometry.at(last + 499 * MS).rates[0] == pytest.approx(RATE)
-    assert odometry.at(last + 500 * MS).rates == ZERO
+    assert odometry.predict(last + 150 * MS).angles[0] == pytest.approx(known + 0.15 * RATE)
+    assert odometry.predict(last + 60 * S).angles == odometry.predict(last + 150 * MS).angles
+    assert odometry.predict(last + 499 * MS).rates[0] == pytest.approx(RATE)
+    assert odometry.predict(last + 500 * MS).rates == ZERO
 
 
 def test_standing_wheels_do_not_creep_and_are_where_their_positions_say():
@@ -298,18 +298,18 @@ def test_a_counter_of_16_bits_that_wraps_is_a_jump_without_a_bound_that_somebody
     for number in range(400):
         count = (number * 100 + 32768) % 65536 - 32768
         arrival = START_NS + number * 20 * MS
-        odometry, verdict = odometry.received(WheelSample(
+        odometry, verdict = odometry.update(WheelSample(
             arrival, None, (count * tick, count * tick)), arrival)
         verdicts.append(verdict)
     assert verdicts.count(Verdict.JUMPED) == 1
-    assert odometry.at(arrival).angles[0] == pytest.approx(399 * 100 * tick, abs=1e-6)
+    assert odometry.predict(arrival).angles[0] == pytest.approx(399 * 100 * tick, abs=1e-6)
 
 
 @pytest.mark.parametrize('gap_ns', [1, 1000, 500_000])
 def test_positions_that_come_at_almost_one_time_are_no_jump(gap_ns):
     odometry, verdicts = base(max_rate=1000.0), set()
     for arrival, sample in pairs_of(50.0, gap_ns):
-        odometry, verdict = odometry.received(sample, arrival)
+        odometry, verdict = odometry.update(sample, arrival)
         verdicts.add(verdict)
     assert verdicts == {Verdict.FIRST, Verdict.MOVED}
 
@@ -318,10 +318,10 @@ def test_a_frame_in_the_header_does_not_make_a_driver_one_of_this_package():
     """Guard a leap by all that encoders count: a first message without positions is no zero."""
     odometry = base()
     for number, positions in enumerate([None, (500.0, 500.0), (500.1, 500.1)]):
-        odometry, _ = odometry.received(WheelSample(
+        odometry, _ = odometry.update(WheelSample(
             START_NS + number * 20 * MS, ZERO, positions, 'base_link'),
             START_NS + number * 20 * MS)
-    assert odometry.at(START_NS + 40 * MS).angles == pytest.approx((0.1, 0.1))
+    assert odometry.predict(START_NS + 40 * MS).angles == pytest.approx((0.1, 0.1))
 
 
 @pytest.mark.parametrize('frame', ['', 'base_link', '/base_link'])
@@ -329,16 +329,16 @@ def test_what_a_driver_tells_is_the_same_whatever_its_frame(frame):
     messages = Driver(steady(RATE), 20 * MS, velocity=lambda rate: 9.549 * rate).messages(2.0)
     odometry, other = base(), base()
     for arrival, sample in messages:
-        odometry, _ = odometry.received(sample, arrival)
-        other, _ = other.received(WheelSample(
+        odometry, _ = odometry.update(sample, arrival)
+        other, _ = other.update(WheelSample(
             sample.stamp_ns, sample.rates, sample.positions, frame), arrival)
-    assert odometry.at(arrival) == other.at(arrival)
+    assert odometry.predict(arrival) == other.predict(arrival)
 
 
 def test_the_publishers_of_this_package_are_taken_at_their_word():
     messages = Driver(ramp(RATE, 0.0, 2.0), 20 * MS, velocity=lambda rate: rate).messages(3.0)
     odometry = base()
     for arrival, sample in messages:
-        odometry, _ = odometry.received(WheelSample(
+        odometry, _ = odometry.update(WheelSample(
             sample.stamp_ns, sample.rates, sample.positions, '/noise#1'), arrival)
-        assert odometry.at(arrival).rates == sample.rates
+        assert odometry.predict(arrival).rates == sample.rates

@@ -53,7 +53,7 @@ def heard(*samples):
     """Return the odometry after samples, and its history."""
     odometry, history = START, OdometryHistory((START,))
     for sample in samples:
-        odometry, _ = odometry.received(sample, sample.stamp_ns)
+        odometry, _ = odometry.update(sample, sample.stamp_ns)
         history = history.followed(odometry)
     return odometry, history
 
@@ -70,7 +70,7 @@ def test_an_odometry_that_went_back_begins_anew_and_a_history_does_not_grow():
     odometry, history = heard(*(
         WheelSample(number * S // 10, (float(number), 1.0)) for number in range(1, 999)))
     assert len(history.past) < 200
-    assert history.pose_at(0) == history.past[0].at(0).pose
+    assert history.pose_at(0) == history.past[0].predict(0).pose
     back = odometry.clock_stepped(-50 * S)
     assert history.followed(back).past == (back,)
 
@@ -86,7 +86,7 @@ def test_a_pose_in_the_past_is_that_of_the_own_clock_whatever_that_of_the_publis
     _, history = heard(*samples)
     odometry, mapped = START, OdometryHistory((START,))
     for sample in samples:
-        odometry, _ = odometry.received(
+        odometry, _ = odometry.update(
             replace(sample, stamp_ns=sample.stamp_ns + ahead), sample.stamp_ns)
         mapped = mapped.followed(odometry)
     for time in 49 * S, 60 * S + 1, 85 * S, 89 * S + S // 2:

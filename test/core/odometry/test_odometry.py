@@ -47,7 +47,7 @@ schedules = st.lists(
 def fed(odometry, samples):
     """Return the odometry after samples that came at their stamps."""
     for sample in samples:
-        odometry, _ = odometry.received(sample, sample.stamp_ns)
+        odometry, _ = odometry.update(sample, sample.stamp_ns)
     return odometry
 
 
@@ -93,7 +93,7 @@ def with_positions(samples, offset=(40.0, -7.0), source='/driver#1'):
 @given(schedules, st.integers(0, 400 * MS))
 def test_the_pose_is_the_composition_of_exact_arcs(samples, later):
     end = samples[-1].stamp_ns + later
-    pose = fed(START, samples).at(end).pose
+    pose = fed(START, samples).predict(end).pose
     x, y, theta = composed(samples, end)
     assert (pose.x, pose.y) == pytest.approx((x, y), abs=1e-12)
     assert abs(wrapped_difference(pose.theta, theta)) <= 1e-12
@@ -109,7 +109,7 @@ def test_repeats_change_no_bit_of_the_reading(samples, period_ms):
         repeated += [WheelSample(stamp, sample.rates)
                      for stamp in range(sample.stamp_ns, end, period_ms * MS)]
     end = samples[-1].stamp_ns + 399 * MS
-    assert fed(START, repeated).at(end) == fed(START, samples).at(end)
+    assert fed(START, repeated).predict(end) == fed(START, samples).predict(end)
 
 
 @LAW
@@ -117,10 +117,10 @@ def test_repeats_change_no_bit_of_the_reading(samples, period_ms):
 def test_looking_changes_nothing(samples, times):
     odometry = fed(START, samples)
     end = samples[-1].stamp_ns + S
-    before = odometry.at(end)
+    before = odometry.predict(end)
     for time in times:
-        odometry.at(time)
-    assert odometry.at(end) == before
+        odometry.predict(time)
+    assert odometry.predict(end) == before
 
 
 @LAW
@@ -129,7 +129,7 @@ def test_lost_samples_with_positions_keep_angles_and_heading_exact(samples, data
     full = with_positions(samples)
     kept = full[:1] + [s for s in full[1:-1] if data.draw(st.booleans())] + full[1:][-1:]
     end = samples[-1].stamp_ns + 100 * MS
-    reading, exact = fed(START, kept).at(end), fed(START, samples).at(end)
+    reading, exact = fed(START, kept).predict(end), fed(START, samples).predict(end)
     assert reading.angles == pytest.approx(exact.angles, abs=1e-12)
     assert abs(wrapped_difference(reading.pose.theta, exact.pose.theta)) <= 1e-12
 
@@ -139,7 +139,7 @@ def test_lost_samples_with_positions_keep_angles_and_heading_exact(samples, data
 def test_positions_that_agree_with_the_rates_change_nothing(samples):
     end = samples[-1].stamp_ns + 100 * MS
     assert_same_reading(
-        fed(START, with_positions(samples)).at(end), fed(START, samples).at(end))
+        fed(START, with_positions(samples)).predict(end), fed(START, samples).predict(end))
 
 
 @LAW
@@ -150,13 +150,13 @@ def test_a_superseding_sample_undoes_what_followed_its_stamp(samples, percents, 
     late = WheelSample(last.stamp_ns + MS // 2, rates)
     heard = fed(START, [*samples, *(WheelSample(stamp, last.rates) for stamp in stamps), late])
     end = late.stamp_ns + 200 * MS
-    assert_same_reading(heard.at(end), fed(START, [*samples, late]).at(end))
+    assert_same_reading(heard.predict(end), fed(START, [*samples, late]).predict(end))
 
 
 def test_a_sample_at_or_before_the_anchor_changes_nothing():
     odometry = fed(START, [WheelSample(S, A), WheelSample(2 * S, B)])
     for stamp in (2 * S, 2 * S - 1, S):
-        after, verdict = odometry.received(WheelSample(stamp, A), 2 * S)
+        after, verdict = odometry.update(WheelSample(stamp, A), 2 * S)
         assert verdict is Verdict.OUT_OF_ORDER
         assert after._replace(clock=odometry.clock) == odometry
 
@@ -164,32 +164,32 @@ def test_a_sample_at_or_before_the_anchor_changes_nothing():
 @pytest.mark.parametrize('stamp', [-9 * S, NOW + 9 * S])
 def test_a_step_of_the_clock_keeps_the_pose_of_the_last_sample(stamp):
     odometry = fed(START, [WheelSample(0, A), WheelSample(100 * MS, A)])
-    after, verdict = odometry.received(
+    after, verdict = odometry.update(
         WheelSample(stamp, B, (900.0, 900.0), '/driver#1'), NOW)
     assert verdict is Verdict.CLOCK_STEP
-    assert after.at(NOW).pose == odometry.at(100 * MS).pose
-    assert after.at(NOW).angles == odometry.at(100 * MS).angles
-    later = after.at(NOW + 100 * MS)
+    assert after.predict(NOW).pose == odometry.predict(100 * MS).pose
+    assert after.predict(NOW).angles == odometry.predict(100 * MS).angles
+    later = after.predict(NOW + 100 * MS)
     assert later.angles == pytest.approx((0.5 - 0.3, 0.7 + 0.4))
 
 
 def test_the_base_stops_exactly_at_the_last_stamp_and_the_timeout():
     odometry = fed(START, [WheelSample(0, A), WheelSample(100 * MS, A)])
     end = 100 * MS + T
-    assert odometry.at(end - 1).rates == A
-    stopped = odometry.at(end)
+    assert odometry.predict(end - 1).rates == A
+    stopped = odometry.predict(end)
     assert (stopped.rates, stopped.twist) == (STILL, STILL)
     assert stopped.angles == pytest.approx((0.6 * 5.0, 0.6 * 7.0))
-    assert odometry.at(end + NOW) == stopped
-    assert odometry.at(end - 1).pose != stopped.pose
+    assert odometry.predict(end + NOW) == stopped
+    assert odometry.predict(end - 1).pose != stopped.pose
 
 
 def test_the_same_rates_after_silence_go_on_from_where_the_base_stopped():
     odometry = fed(START, [WheelSample(0, A)])
     after = fed(odometry, [WheelSample(20 * S, A)])
     assert_same_reading(
-        after.at(20 * S)._replace(rates=STILL), odometry.at(20 * S), tolerance=1e-14)
-    assert after.at(20 * S + 100 * MS).angles == pytest.approx((3.0, 4.2))
+        after.predict(20 * S)._replace(rates=STILL), odometry.predict(20 * S), tolerance=1e-14)
+    assert after.predict(20 * S + 100 * MS).angles == pytest.approx((3.0, 4.2))
 
 
 @LAW
@@ -201,11 +201,12 @@ def test_a_restarted_publisher_causes_no_jump(samples, later, standing, rates):
     stamp = last.stamp_ns + 1 + later
     restarted = fed(odometry, [WheelSample(stamp, rates, source='/driver#2')])
     assert_same_reading(
-        restarted.at(stamp)._replace(rates=STILL), odometry.at(stamp)._replace(rates=STILL))
+        restarted.predict(stamp)._replace(rates=STILL),
+        odometry.predict(stamp)._replace(rates=STILL))
     moved = (0.1 * rates[0], 0.1 * rates[1])
     end = stamp + 100 * MS
     going_on = fed(restarted, [WheelSample(end, rates, moved, '/driver#2')])
-    assert_same_reading(going_on.at(end), restarted.at(end))
+    assert_same_reading(going_on.predict(end), restarted.predict(end))
 
 
 @pytest.mark.parametrize('rates', [STILL, A])
@@ -215,15 +216,15 @@ def test_a_restart_with_the_same_rates_is_noticed_also_at_a_stand(rates):
         100 * MS, rates, (80.0 + 0.1 * rates[0], 90.0 + 0.1 * rates[1]), '/driver#1')]
     again = [WheelSample(200 * MS, rates, source='/driver#2'), WheelSample(
         300 * MS, rates, (0.1 * rates[0], 0.1 * rates[1]), '/driver#2')]
-    assert fed(START, publisher + again).at(300 * MS).angles == pytest.approx(
+    assert fed(START, publisher + again).predict(300 * MS).angles == pytest.approx(
         (0.3 * rates[0], 0.3 * rates[1]), abs=1e-13)
 
 
 def test_the_first_sample_moves_nothing_whatever_its_positions():
-    odometry, verdict = START.received(WheelSample(S, None, (500.0, -3.0)), NOW)
+    odometry, verdict = START.update(WheelSample(S, None, (500.0, -3.0)), NOW)
     assert verdict is Verdict.FIRST
-    assert odometry.at(5 * S).pose == Pose(1.0, -2.0, 3.0)
-    assert odometry.at(5 * S).angles == STILL
+    assert odometry.predict(5 * S).pose == Pose(1.0, -2.0, 3.0)
+    assert odometry.predict(5 * S).angles == STILL
 
 
 @LAW
@@ -238,24 +239,24 @@ def test_an_unknown_driver_that_lacks_its_positions_now_and_then_causes_no_jump(
     told = [replace(sample, positions=None) if number in lacking else sample
             for number, sample in enumerate(full)]
     end = samples[-1].stamp_ns
-    reading, exact = fed(UNEXTRAPOLATED, told).at(end), fed(START, samples).at(end)
+    reading, exact = fed(UNEXTRAPOLATED, told).predict(end), fed(START, samples).predict(end)
     assert_same_reading(reading._replace(rates=STILL), exact._replace(rates=STILL), 1e-7)
 
 
 def test_what_a_known_publisher_rolled_since_its_first_message_counts():
     first = WheelSample(0, STILL, source='/driver#1')
     second = WheelSample(20 * MS, STILL, (0.3, 0.4), source='/driver#1')
-    assert fed(START, [first, second]).at(20 * MS).angles == (0.3, 0.4)
+    assert fed(START, [first, second]).predict(20 * MS).angles == (0.3, 0.4)
 
 
 def test_before_the_first_sample_the_base_stands_at_its_start():
-    reading = START.at(7 * S)
+    reading = START.predict(7 * S)
     assert reading == (Pose(1.0, -2.0, 3.0), STILL, STILL, STILL)
 
 
 def test_before_the_anchor_the_base_is_where_it_is_at_the_anchor():
     odometry = fed(START, [WheelSample(0, A), WheelSample(S // 10, B)])
-    assert odometry.at(0) == odometry.at(S // 10)
+    assert odometry.predict(0) == odometry.predict(S // 10)
 
 
 @LAW
@@ -264,14 +265,14 @@ def test_positions_alone_give_the_same_angles_and_heading_but_nothing_beyond(sam
     full = with_positions(samples)
     alone = fed(START, [replace(sample, rates=None) for sample in full])
     end = samples[-1].stamp_ns
-    reading, exact = alone.at(end), fed(START, samples).at(end)
+    reading, exact = alone.predict(end), fed(START, samples).predict(end)
     assert reading.angles == pytest.approx(exact.angles, abs=1e-12)
     assert abs(wrapped_difference(reading.pose.theta, exact.pose.theta)) <= 1e-12
-    assert alone.at(end + T // 2).pose == reading.pose
+    assert alone.predict(end + T // 2).pose == reading.pose
 
 
 def test_the_twist_is_that_of_the_rates():
-    twist = fed(START, [WheelSample(0, A)]).at(1).twist
+    twist = fed(START, [WheelSample(0, A)]).predict(1).twist
     v_left, v_right = GEOMETRY.left_radius * 5.0, GEOMETRY.right_radius * 7.0
     assert twist == pytest.approx(
         ((v_left + v_right) / 2, (v_right - v_left) / GEOMETRY.separation))
@@ -286,7 +287,7 @@ def test_a_change_of_geometry_keeps_pose_and_angles(samples, later, positions):
     odometry = fed(START, with_positions(samples) if positions else samples)
     now = samples[-1].stamp_ns + later
     changed = odometry.configured(OTHER, T, now)
-    assert_same_reading(changed.at(now), odometry.at(now))
+    assert_same_reading(changed.predict(now), odometry.predict(now))
     assert changed.geometry == OTHER
 
 
@@ -297,25 +298,25 @@ def test_after_a_change_of_geometry_the_same_wheels_count_under_the_new_one(
     full = with_positions([*samples, WheelSample(samples[-1].stamp_ns + 100 * MS, rates)])
     now = samples[-1].stamp_ns + later
     changed = fed(START, full[:-1]).configured(OTHER, T, now)
-    fresh = Odometry.starting_at(changed.at(now).pose, geometry=OTHER, timeout_ns=T)
+    fresh = Odometry.starting_at(changed.predict(now).pose, geometry=OTHER, timeout_ns=T)
     fresh = fed(fresh, [WheelSample(now, samples[-1].rates)])
     end = full[-1].stamp_ns + 50 * MS
     without = replace(full[-1], positions=None)
-    reading = fed(changed, full[-1:]).at(end)
-    assert reading.pose == pytest.approx(fed(fresh, [without]).at(end).pose, abs=1e-11)
-    assert reading.angles == pytest.approx(fed(START, [*samples, without]).at(end).angles)
+    reading = fed(changed, full[-1:]).predict(end)
+    assert reading.pose == pytest.approx(fed(fresh, [without]).predict(end).pose, abs=1e-11)
+    assert reading.angles == pytest.approx(fed(START, [*samples, without]).predict(end).angles)
 
 
 def test_a_base_that_timed_out_is_not_set_in_motion_by_a_longer_timeout():
     odometry = fed(START, [WheelSample(0, A)])
     changed = odometry.configured(GEOMETRY, None, 2 * S)
-    assert changed.at(9 * S).pose == pytest.approx(odometry.at(2 * S).pose)
-    assert changed.at(9 * S).rates == STILL
+    assert changed.predict(9 * S).pose == pytest.approx(odometry.predict(2 * S).pose)
+    assert changed.predict(9 * S).rates == STILL
 
 
 def test_a_change_of_geometry_before_the_first_sample_keeps_the_start():
     changed = START.configured(OTHER, None, S)
-    assert changed.at(S) == START.at(S)
+    assert changed.predict(S) == START.predict(S)
     assert (changed.geometry, changed.timeout_ns) == (OTHER, None)
 
 
@@ -324,7 +325,7 @@ def test_a_change_of_geometry_between_positions_alone_does_not_make_a_speed_up()
     odometry = fed(START, [WheelSample(k * 100 * MS, None, (0.1 * k, 0.1 * k)) for k in (0, 1)])
     changed = odometry.configured(GEOMETRY, T, 200 * MS - 1000)
     after = fed(changed, [WheelSample(200 * MS, None, (0.2, 0.2))])
-    assert after.at(200 * MS).rates == pytest.approx((1.0, 1.0))
+    assert after.predict(200 * MS).rates == pytest.approx((1.0, 1.0))
 
 
 @LAW
@@ -332,10 +333,10 @@ def test_a_change_of_geometry_between_positions_alone_does_not_make_a_speed_up()
 def test_after_the_clock_was_stepped_everything_goes_on_as_before(samples, step, later, rates):
     odometry = fed(START, samples)
     stepped, time = odometry.clock_stepped(step), samples[-1].stamp_ns + 1 + later
-    assert stepped.at(time + step) == odometry.at(time)
-    following, _ = stepped.received(WheelSample(time + step, rates), time + step)
-    assert following.at(time + step + T) == fed(
-        odometry, [WheelSample(time, rates)]).at(time + T)
+    assert stepped.predict(time + step) == odometry.predict(time)
+    following, _ = stepped.update(WheelSample(time + step, rates), time + step)
+    assert following.predict(time + step + T) == fed(
+        odometry, [WheelSample(time, rates)]).predict(time + T)
 
 
 def test_the_clock_may_step_before_the_first_sample():
@@ -350,7 +351,7 @@ def test_motion_that_is_absurd_for_this_geometry_is_refused(samples):
         Pose(0.0, 0.0, 0.0), geometry=WheelGeometry(0.1, 10.0), timeout_ns=T)
     odometry = fed(big, samples[:-1])
     with pytest.raises(ValueError, match='(velocity|position) .left, right. is'):
-        odometry.received(samples[-1], NOW)
+        odometry.update(samples[-1], NOW)
 
 
 @pytest.mark.parametrize(('pose', 'name'), [
@@ -365,9 +366,9 @@ def test_many_turns_lose_no_digit_of_the_heading():
     """Drive 20000 arcs: the wrapped heading is that of the unwrapped angles."""
     odometry = START
     for k in range(20_000):
-        odometry, _ = odometry.received(
+        odometry, _ = odometry.update(
             WheelSample(k * 100 * MS, (5.0, 7.0 + k % 2)), NOW + k * S)
-    reading = odometry.at(19_999 * 100 * MS)
+    reading = odometry.predict(19_999 * 100 * MS)
     with mpmath.workdps(50):
         left = mpmath.mpf(GEOMETRY.left_radius) * reading.angles[0]
         right = mpmath.mpf(GEOMETRY.right_radius) * reading.angles[1]
@@ -380,8 +381,8 @@ def test_a_stop_that_is_under_way_while_settings_change_is_obeyed():
     odometry = fed(START, [WheelSample(100 * MS, (5.0, 5.0))])
     changed = odometry.configured(GEOMETRY, None, 205 * MS)
     stopped = fed(changed, [WheelSample(200 * MS, (0.0, 0.0))])
-    assert stopped.at(9 * S).rates == (0.0, 0.0)
-    assert stopped.at(9 * S).pose == stopped.at(206 * MS).pose
+    assert stopped.predict(9 * S).rates == (0.0, 0.0)
+    assert stopped.predict(9 * S).pose == stopped.predict(206 * MS).pose
 
 
 @LAW
@@ -393,46 +394,47 @@ def test_a_base_that_is_put_elsewhere_stands_there_and_then_moves_on_by_what_whe
         samples = [replace(sample, rates=None) for sample in samples]
     when = samples[-1].stamp_ns + after
     before = fed(START._replace(timeout_ns=None), samples)
-    placed = before.placed_at(Pose(-3.0, 4.0, 0.5), NO_COVARIANCE, when)
-    reading = placed.at(when + 10 * S)
+    placed = before.set_pose(Pose(-3.0, 4.0, 0.5), NO_COVARIANCE, when)
+    reading = placed.predict(when + 10 * S)
     assert (reading.pose, reading.twist, reading.rates) == (
         Pose(-3.0, 4.0, 0.5), (0.0, 0.0), (0.0, 0.0))
-    assert reading.angles == before.at(when).angles
+    assert reading.angles == before.predict(when).angles
     angle = [rate * after / 1e9 for rate in samples[-1].rates or STILL]
     last = samples[-1].positions
     following = WheelSample(
         when + 20 * MS, A if with_rates else None,
         (last[0] + angle[0] + 0.3, last[1] + angle[1] + 0.3), '/driver#1')
-    moved, verdict = placed.received(following, NOW)
+    moved, verdict = placed.update(following, NOW)
     assert verdict is Verdict.MOVED
     expected = START._replace(
         x=RunningSum(-3.0), y=RunningSum(4.0), theta=RunningSum(0.5))._rolled(
             (0.3, 0.3), None, START.clock)
     assert_same_reading(
-        moved.at(following.stamp_ns)._replace(angles=STILL, rates=STILL),
-        expected.at(0)._replace(angles=STILL, rates=STILL), 1e-9)
+        moved.predict(following.stamp_ns)._replace(angles=STILL, rates=STILL),
+        expected.predict(0)._replace(angles=STILL, rates=STILL), 1e-9)
 
 
 def test_a_base_that_is_put_elsewhere_has_the_covariance_and_the_angles_that_are_asked_for():
     given_covariance = PoseCovariance(0.1, 0.0, 0.0, 0.2, 0.0, 0.3)
     odometry = fed(START._replace(slip_variances=(0.01, 0.01)), with_positions(
         [WheelSample(number * 20 * MS, A) for number in range(9)]))
-    placed = odometry.placed_at(Pose(0.0, 0.0, 0.0), given_covariance, S, keep_angles=False)
+    placed = odometry.set_pose(Pose(0.0, 0.0, 0.0), given_covariance, S, keep_angles=False)
     assert placed.covariance_at(2 * S) == given_covariance
-    assert placed.at(2 * S).angles == STILL
+    assert placed.predict(2 * S).angles == STILL
     assert odometry.covariance_at(S) != given_covariance
 
 
 def test_a_base_that_has_heard_nothing_can_be_put_elsewhere():
-    assert START.placed_at(Pose(1.0, 2.0, 3.0), NO_COVARIANCE, S).at(S).pose == Pose(1.0, 2.0, 3.0)
+    pose = Pose(1.0, 2.0, 3.0)
+    assert START.set_pose(pose, NO_COVARIANCE, S).predict(S).pose == pose
 
 
 def test_a_message_that_was_on_its_way_while_the_base_was_put_elsewhere_is_no_jump():
     steady = with_positions([WheelSample(number * 10 * MS, A) for number in range(17)])
-    placed = fed(START, steady[:11]).placed_at(Pose(0.0, 0.0, 0.0), NO_COVARIANCE, 120 * MS)
+    placed = fed(START, steady[:11]).set_pose(Pose(0.0, 0.0, 0.0), NO_COVARIANCE, 120 * MS)
     moved = fed(placed, [steady[11], steady[16]])
     expected = 0.04 * (GEOMETRY.right_radius * A[1] - GEOMETRY.left_radius * A[0])
-    assert moved.at(160 * MS).pose.theta == pytest.approx(
+    assert moved.predict(160 * MS).pose.theta == pytest.approx(
         expected / GEOMETRY.separation, abs=1e-12)
 
 
@@ -440,16 +442,16 @@ def test_a_base_that_is_put_elsewhere_by_a_clock_a_little_behind_forgets_no_stam
     """Guard an old message, heard a second time, that was taken for motion backward."""
     samples = with_positions([WheelSample(number * 100 * MS, (number, number)) for number in (
         1, 2, 3)])
-    odometry = fed(START, samples).placed_at(Pose(0.0, 0.0, 0.0), NO_COVARIANCE, 150 * MS)
-    again, verdict = odometry.received(samples[1], 160 * MS)
-    assert verdict is Verdict.OUT_OF_ORDER and again.at(S).pose == Pose(0.0, 0.0, 0.0)
+    odometry = fed(START, samples).set_pose(Pose(0.0, 0.0, 0.0), NO_COVARIANCE, 150 * MS)
+    again, verdict = odometry.update(samples[1], 160 * MS)
+    assert verdict is Verdict.OUT_OF_ORDER and again.predict(S).pose == Pose(0.0, 0.0, 0.0)
 
 
 @pytest.mark.parametrize('pose', [
     Pose(math.nan, 0.0, 0.0), Pose(0.0, math.inf, 0.0), Pose(0.0, 0.0, -math.inf)])
 def test_a_base_is_put_nowhere_that_is_not_finite(pose):
     with pytest.raises(ValueError, match='of the pose'):
-        START.placed_at(pose, NO_COVARIANCE, S)
+        START.set_pose(pose, NO_COVARIANCE, S)
 
 
 @pytest.mark.parametrize('step_s', [-3600, 3600])
@@ -459,9 +461,9 @@ def test_a_publisher_whose_clock_steps_for_good_goes_on_moving_the_base(step_s):
     for number in range(200):
         now_ns = NOW + number * 20 * MS
         stamp = now_ns + (step_s * S if number > 99 else 0)
-        odometry, _ = odometry.received(WheelSample(
+        odometry, _ = odometry.update(WheelSample(
             stamp, (3.0, 3.0), (0.06 * number, 0.06 * number)), now_ns)
-        way.append(odometry.at(now_ns).angles[0])
+        way.append(odometry.predict(now_ns).angles[0])
     assert way[-1] - way[100] == pytest.approx(99 * 0.06, abs=1e-9)
     assert max(b - a for a, b in zip(way, way[1:])) < 0.5 * 3.0 + 0.061
 
@@ -471,7 +473,7 @@ def ahead(seconds):
     odometry, now_ns = START, NOW
     for number in range(100):
         now_ns = NOW + number * 20 * MS
-        odometry, _ = odometry.received(WheelSample(
+        odometry, _ = odometry.update(WheelSample(
             now_ns + seconds * S, (3.0, 3.0), (0.06 * number, 0.06 * number)), now_ns)
     return odometry, now_ns
 
@@ -479,13 +481,13 @@ def ahead(seconds):
 @pytest.mark.parametrize('seconds', [0, 2, 3600])
 def test_a_base_is_put_elsewhere_without_a_jump_however_far_ahead_the_publishers_clock_is(seconds):
     odometry, now_ns = ahead(seconds)
-    placed = odometry.placed_at(Pose(0.0, 0.0, 0.0), NO_COVARIANCE, now_ns)
-    assert placed.at(now_ns).angles == odometry.at(now_ns).angles
-    moved, _ = placed.received(WheelSample(
+    placed = odometry.set_pose(Pose(0.0, 0.0, 0.0), NO_COVARIANCE, now_ns)
+    assert placed.predict(now_ns).angles == odometry.predict(now_ns).angles
+    moved, _ = placed.update(WheelSample(
         now_ns + seconds * S + 20 * MS, (3.0, 3.0), (6.0, 6.0)), now_ns + 20 * MS)
-    assert moved.at(now_ns + 20 * MS).angles == pytest.approx((6.0, 6.0), abs=1e-12)
+    assert moved.predict(now_ns + 20 * MS).angles == pytest.approx((6.0, 6.0), abs=1e-12)
     distance, _ = twist_from_wheel_rates(GEOMETRY, 0.06, 0.06)
-    pose = moved.at(now_ns + 20 * MS).pose
+    pose = moved.predict(now_ns + 20 * MS).pose
     assert math.hypot(pose.x, pose.y) == pytest.approx(distance, rel=1e-3)
 
 
@@ -493,7 +495,7 @@ def test_a_base_is_put_elsewhere_without_a_jump_however_far_ahead_the_publishers
 def test_what_was_driven_stays_driven_however_far_ahead_the_publishers_clock_is(seconds):
     odometry, now_ns = ahead(seconds)
     changed = odometry.configured(OTHER, T, now_ns)
-    assert_same_reading(changed.at(now_ns), odometry.at(now_ns))
+    assert_same_reading(changed.predict(now_ns), odometry.predict(now_ns))
 
 
 @LAW
@@ -511,7 +513,7 @@ def test_a_lost_change_of_the_rates_costs_the_arc_of_one_message_however_long_th
                       (at_change[0] + rest[0], at_change[1] + rest[1]), '/driver#1')
     whole = fed(start, [*samples, WheelSample(S + change, after, at_change, '/driver#1'), end])
     lossy = fed(start, [*samples, end])
-    got, expected = lossy.at(end.stamp_ns), whole.at(end.stamp_ns)
+    got, expected = lossy.predict(end.stamp_ns), whole.predict(end.stamp_ns)
     distance = turn = 0.0
     for rates, seconds in ((before, change_ms / 1e3), (after, 0.02 - change_ms / 1e3)):
         v, w = twist_from_wheel_rates(GEOMETRY, *rates)

@@ -38,11 +38,11 @@ SAMPLES = [WheelSample(stamp, rates) for stamp, rates in LEGS]
 def fed(odometry, samples):
     """Return the odometry after samples that came at their stamps, or when the last one came."""
     for sample, now_ns in zip(samples, accumulate((sample.stamp_ns for sample in samples), max)):
-        odometry, _ = odometry.received(sample, now_ns)
+        odometry, _ = odometry.update(sample, now_ns)
     return odometry
 
 
-def along(legs, end, slip=SLIP, pose=PLAIN.at(0).pose, covariance=NO_COVARIANCE):
+def along(legs, end, slip=SLIP, pose=PLAIN.predict(0).pose, covariance=NO_COVARIANCE):
     """Return the covariance of rates held from stamp to stamp, leg by leg."""
     for (stamp, rates), (until, _) in zip(legs, [*legs[1:], (end, None)]):
         seconds = (until - stamp) / 1e9
@@ -76,7 +76,7 @@ def test_wheels_that_do_not_slip_leave_no_covariance():
 
 
 def test_the_pose_is_to_the_bit_what_it_is_without_slip():
-    assert fed(START, SAMPLES).at(END) == fed(PLAIN, SAMPLES).at(END)
+    assert fed(START, SAMPLES).predict(END) == fed(PLAIN, SAMPLES).predict(END)
 
 
 def test_repeats_change_no_bit_of_it():
@@ -113,7 +113,7 @@ def test_another_slip_counts_from_now_on_and_an_old_error_keeps_swinging():
     odometry = fed(START, SAMPLES[:1]).configured(GEOMETRY, S, 100 * MS, (0.0, 0.0))
     first = along(LEGS[:1], 100 * MS)
     assert_same(odometry.covariance_at(100 * MS), first)
-    pose = odometry.at(100 * MS).pose
+    pose = odometry.predict(100 * MS).pose
     assert_same(odometry.covariance_at(400 * MS), along(
         [(100 * MS, LEGS[0][1])], 400 * MS, (0.0, 0.0), pose, first))
     assert odometry.covariance_at(400 * MS).yy != first.yy

@@ -50,7 +50,7 @@ def passed(stream, samples, seed=0):
     """Return the stream after the samples, and what it put out, as its publisher does."""
     generator, out = np.random.default_rng(seed), []
     for sample in samples:
-        stream, noisy, _ = stream.passed(sample, generator)
+        stream, noisy, _ = stream.apply(sample, generator)
         if noisy is not None:
             out.append(replace(noisy, source='/noise#1'))
     return stream, out
@@ -59,7 +59,7 @@ def passed(stream, samples, seed=0):
 def fed(odometry, samples):
     """Return the odometry after samples that came at their stamps, or when the last one came."""
     for sample, now_ns in zip(samples, accumulate((sample.stamp_ns for sample in samples), max)):
-        odometry, _ = odometry.received(sample, now_ns)
+        odometry, _ = odometry.update(sample, now_ns)
     return odometry
 
 
@@ -157,7 +157,7 @@ def test_without_noise_the_positions_are_the_nominal_angles(samples):
         assert noisy.stamp_ns == sample.stamp_ns
         assert noisy.rates == pytest.approx(sample.rates, rel=1e-11)
         assert (noisy.positions or STILL) == pytest.approx(
-            reference.at(sample.stamp_ns).angles, abs=1e-13)
+            reference.predict(sample.stamp_ns).angles, abs=1e-13)
 
 
 @LAW
@@ -165,7 +165,7 @@ def test_without_noise_the_positions_are_the_nominal_angles(samples):
 def test_without_noise_odometry_through_the_stream_is_odometry(samples, later):
     end = samples[-1].stamp_ns + later
     assert_same_reading(
-        fed(START, passed(CLEAN, samples)[1]).at(end), fed(START, samples).at(end))
+        fed(START, passed(CLEAN, samples)[1]).predict(end), fed(START, samples).predict(end))
 
 
 @LAW
@@ -178,9 +178,9 @@ def test_a_superseding_sample_leaves_the_nominal_positions_right(samples, times,
     following = WheelSample(repeats[-1].stamp_ns + 50 * MS, then)
     heard = [*samples, *repeats, late, following]
     _, out = passed(CLEAN, heard)
-    angles = fed(START, heard).at(following.stamp_ns).angles
+    angles = fed(START, heard).predict(following.stamp_ns).angles
     assert out[-1].positions == pytest.approx(angles, abs=1e-12)
-    assert fed(START, out).at(following.stamp_ns).angles == pytest.approx(angles, abs=1e-12)
+    assert fed(START, out).predict(following.stamp_ns).angles == pytest.approx(angles, abs=1e-12)
 
 
 def test_a_superseding_stop_takes_back_the_travel_beyond_its_stamp():
@@ -197,22 +197,22 @@ def test_a_late_repeat_takes_nothing_back():
     _, out = passed(CLEAN, samples)
     assert len(out) == 3
     end = 2 * S
-    assert fed(START, out).at(end).angles == pytest.approx(
-        fed(START, samples).at(end).angles, abs=1e-7)
+    assert fed(START, out).predict(end).angles == pytest.approx(
+        fed(START, samples).predict(end).angles, abs=1e-7)
 
 
 def test_a_superseding_sample_is_right_at_once_downstream():
     samples = [WheelSample(0, A), WheelSample(200 * MS, A), WheelSample(50 * MS, B)]
     _, out = passed(CLEAN, samples)
-    assert fed(START, out).at(300 * MS).angles == pytest.approx(
-        fed(START, samples).at(300 * MS).angles, abs=1e-7)
+    assert fed(START, out).predict(300 * MS).angles == pytest.approx(
+        fed(START, samples).predict(300 * MS).angles, abs=1e-7)
 
 
 def test_a_sample_at_or_before_the_anchor_is_dropped():
     stream, _ = passed(NOISY, [WheelSample(0, A), WheelSample(S // 10, B)])
     generator = np.random.default_rng(0)
     for stamp in (S // 10, 0):
-        assert stream.passed(WheelSample(stamp, A), generator) == (
+        assert stream.apply(WheelSample(stamp, A), generator) == (
             stream, None, Verdict.OUT_OF_ORDER)
     assert generator.bit_generator.state == np.random.default_rng(0).bit_generator.state
 
@@ -224,8 +224,8 @@ def test_a_step_of_the_clock_moves_nothing_and_the_positions_go_on():
     assert [sample.stamp_ns for sample in out] == [sample.stamp_ns for sample in samples]
     assert out[2].positions == out[1].positions
     assert out[3].positions == pytest.approx((0.5 - 0.2, -0.4 + 0.3))
-    reading = fed(START, out).at(S + 100 * MS)
-    assert_same_reading(reading, fed(START, samples).at(S + 100 * MS))
+    reading = fed(START, out).predict(S + 100 * MS)
+    assert_same_reading(reading, fed(START, samples).predict(S + 100 * MS))
 
 
 @LAW
@@ -236,8 +236,8 @@ def test_a_restart_of_the_noise_causes_no_jump_downstream(samples, cut, seed):
     if after:
         first, *rest = passed(NOISY, after, seed + 1)[1]
         restarted = fed(odometry, [first])
-        assert_same_reading(restarted.at(first.stamp_ns), odometry.at(first.stamp_ns))
-        travelled = np.abs(fed(restarted, rest).at(samples[-1].stamp_ns).angles) < 200.0
+        assert_same_reading(restarted.predict(first.stamp_ns), odometry.predict(first.stamp_ns))
+        travelled = np.abs(fed(restarted, rest).predict(samples[-1].stamp_ns).angles) < 200.0
         assert travelled.all()
 
 
@@ -246,7 +246,7 @@ def test_a_restart_of_the_noise_causes_no_jump_downstream(samples, cut, seed):
 def test_without_noise_a_restart_changes_nothing_downstream(samples, cut, later):
     out = passed(CLEAN, samples[:cut])[1] + passed(CLEAN, samples[cut:])[1]
     end = samples[-1].stamp_ns + later
-    assert_same_reading(fed(START, out).at(end), fed(START, samples).at(end))
+    assert_same_reading(fed(START, out).predict(end), fed(START, samples).predict(end))
 
 
 @LAW
@@ -263,8 +263,8 @@ def test_a_restart_of_the_source_causes_no_jump(samples):
         WheelSample(last.stamp_ns + 300 * MS, last.rates, moved)]
     _, out = passed(CLEAN, heard)
     end = heard[-1].stamp_ns
-    assert_same_reading(fed(START, out).at(end), fed(START, heard).at(end))
-    assert_same_reading(fed(START, out).at(end), fed(START, samples).at(end))
+    assert_same_reading(fed(START, out).predict(end), fed(START, heard).predict(end))
+    assert_same_reading(fed(START, out).predict(end), fed(START, samples).predict(end))
 
 
 def test_positions_alone_pass_as_positions_alone():
@@ -294,5 +294,5 @@ def test_motion_goes_on_after_the_clock_of_a_robot_at_rest_was_stepped_back():
     samples = [*rest, *after, *drive]
     _, out = passed(CLEAN, samples)
     now_ns = rest[-1].stamp_ns  # when the last one came, for this test
-    assert fed(START, out).at(now_ns).angles == pytest.approx(
+    assert fed(START, out).predict(now_ns).angles == pytest.approx(
         (1.98 * A[0], 1.98 * A[1]), abs=1e-9)

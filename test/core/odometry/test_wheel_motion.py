@@ -20,7 +20,7 @@ import math
 
 from diffdrive_kinematics.core.kinematics import LARGEST
 from diffdrive_kinematics.core.odometry import (
-    first_motion, rates_at, receive, rolled, shifted, step_tolerance, timeout_from_seconds,
+    baseline, rates_at, rolled, shifted, step_tolerance, timeout_from_seconds, update_motion,
     Verdict, WheelSample)
 from hypothesis import given, settings, strategies as st
 import pytest
@@ -44,10 +44,10 @@ def stamped(schedule):
 
 def play(samples, timeout_ns=T, now_ns=NOW):
     """Return the motion after the samples, the angle rolled up to its anchor, the verdicts."""
-    motion, verdicts = first_motion(samples[0]), []
+    motion, verdicts = baseline(samples[0]), []
     left = right = 0.0
     for sample in samples[1:]:
-        result = receive(motion, sample, now_ns=now_ns, timeout_ns=timeout_ns)
+        result = update_motion(motion, sample, now_ns=now_ns, timeout_ns=timeout_ns)
         motion = result.motion
         left, right = left + result.rolled[0], right + result.rolled[1]
         verdicts.append(result.verdict)
@@ -120,13 +120,13 @@ def test_a_message_that_comes_twice_is_a_repeat_and_one_that_contradicts_it_is_n
     start = WheelSample(0, rates and A, positions and (0.0, 0.0), 'one')
     sample = WheelSample(100 * MS, rates, positions, 'one')
     motion = play([start, sample])[0]
-    assert receive(motion, sample, now_ns=NOW, timeout_ns=T) == (
+    assert update_motion(motion, sample, now_ns=NOW, timeout_ns=T) == (
         motion, (0.0, 0.0), Verdict.REPEATED, (0.0, 0.0))
     others = [replace(sample, source='other')]
     others += [replace(sample, rates=A)] if rates else []
     others += [replace(sample, positions=(1.0, 2.1))] if positions else []
     for other in others:
-        result = receive(motion, other, now_ns=NOW, timeout_ns=T)
+        result = update_motion(motion, other, now_ns=NOW, timeout_ns=T)
         assert result.verdict is Verdict.OUT_OF_ORDER and result.motion == motion
 
 
@@ -144,7 +144,7 @@ def test_wheels_may_begin_to_turn_at_the_time_of_the_first_message_and_no_double
 @pytest.mark.parametrize('stamp', [100 * MS, 99 * MS, 0, 100 * MS - S])
 def test_a_sample_at_or_before_the_anchor_is_dropped(stamp):
     motion, _, _ = play([WheelSample(0, A), WheelSample(100 * MS, B)])
-    result = receive(motion, WheelSample(stamp, A), now_ns=NOW, timeout_ns=T)
+    result = update_motion(motion, WheelSample(stamp, A), now_ns=NOW, timeout_ns=T)
     assert result.verdict is Verdict.OUT_OF_ORDER
     assert (result.motion, result.rolled) == (motion, STILL)
 
@@ -154,12 +154,12 @@ def test_a_sample_at_or_before_the_anchor_is_dropped(stamp):
 def test_a_step_of_the_clock_is_more_than_the_timeout_and_more_than_a_second(
         timeout_ns, tolerance):
     assert step_tolerance(timeout_ns) == tolerance
-    motion = first_motion(WheelSample(10 * S, A))
+    motion = baseline(WheelSample(10 * S, A))
     for stamp, verdict in [
             (10 * S - tolerance, Verdict.OUT_OF_ORDER),
             (10 * S - tolerance - 1, Verdict.CLOCK_STEP),
             (NOW + tolerance, Verdict.MOVED), (NOW + tolerance + 1, Verdict.CLOCK_STEP)]:
-        result = receive(motion, WheelSample(stamp, B), now_ns=NOW, timeout_ns=timeout_ns)
+        result = update_motion(motion, WheelSample(stamp, B), now_ns=NOW, timeout_ns=timeout_ns)
         assert result.verdict is verdict, stamp - 10 * S
 
 
@@ -170,7 +170,7 @@ def test_a_step_of_the_clock_is_anchored_anew_and_never_integrated(stamp, positi
     motion, angle, verdicts = play(samples)
     assert verdicts[-1] is Verdict.CLOCK_STEP
     assert angle == pytest.approx((0.1, 0.2)), 'what was known up to the last sample'
-    assert motion == first_motion(samples[-1])
+    assert motion == baseline(samples[-1])
 
 
 @pytest.mark.parametrize('timeout_ns', [1, T, 3 * S])
@@ -186,14 +186,14 @@ def test_the_wheels_stop_exactly_at_the_last_stamp_and_the_timeout(timeout_ns):
 
 
 def test_without_a_timeout_the_wheels_never_stop():
-    motion = first_motion(WheelSample(0, A))
+    motion = baseline(WheelSample(0, A))
     assert rates_at(motion, 1000 * S, None) == A
     assert rolled(motion, 1000 * S, None) == (1000.0, 2000.0)
 
 
 @pytest.mark.parametrize('time_ns', [S, S - 1, -S])
 def test_nothing_is_rolled_at_or_before_the_anchor(time_ns):
-    assert rolled(first_motion(WheelSample(S, A)), time_ns, T) == STILL
+    assert rolled(baseline(WheelSample(S, A)), time_ns, T) == STILL
 
 
 def test_wheels_at_rest_may_be_silent_and_a_late_sample_still_finds_them():
@@ -352,10 +352,10 @@ def test_a_repeat_from_long_before_the_last_one_is_a_step_of_the_clock():
 
 def jumped(samples, max_rate=50.0):
     """Return the angle rolled and the verdicts of samples where wheels reach ``max_rate``."""
-    motion, verdicts = first_motion(samples[0]), []
+    motion, verdicts = baseline(samples[0]), []
     left = right = 0.0
     for sample in samples[1:]:
-        result = receive(motion, sample, now_ns=NOW, timeout_ns=None, max_rate=max_rate)
+        result = update_motion(motion, sample, now_ns=NOW, timeout_ns=None, max_rate=max_rate)
         motion = result.motion
         left, right = left + result.rolled[0], right + result.rolled[1]
         verdicts.append(result.verdict)

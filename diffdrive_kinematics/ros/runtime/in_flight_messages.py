@@ -19,10 +19,10 @@ from typing import Any, Callable, Dict, List
 
 from rclpy.publisher import Publisher
 
-__all__ = ['Traffic']
+__all__ = ['InFlightMessages']
 
 
-class Traffic:
+class InFlightMessages:
     """
     Tells when every message that was sent within the process has been handled.
 

@@ -28,13 +28,13 @@ from diffdrive_kinematics.ros.messages.messages import set_stamp
 from diffdrive_kinematics.ros.parameters.qos import reliable
 from diffdrive_kinematics.ros.runtime.alone import check_alone
 from diffdrive_kinematics.ros.runtime.clocks import SteppedClock
+from diffdrive_kinematics.ros.runtime.in_flight_messages import InFlightMessages
 from diffdrive_kinematics.ros.runtime.node import DiffDriveNode
 from diffdrive_kinematics.ros.runtime.running import Stop
-from diffdrive_kinematics.ros.runtime.traffic import Traffic
 from rclpy.executors import Executor
 from rosgraph_msgs.msg import Clock
 
-__all__ = ['Stepper']
+__all__ = ['SimClockDriver']
 
 DISCOVERY_TIMEOUT_S = 10.0
 DELIVERY_TIMEOUT_S = 5.0
@@ -44,7 +44,7 @@ LOOK_AROUND_PERIOD_S = 0.05
 NAME_TIMEOUT_S = 0.5
 
 
-class Stepper:
+class SimClockDriver:
     """
     Steps the clock that the nodes of a process share.
 
@@ -54,7 +54,7 @@ class Stepper:
         The node that publishes ``/clock``.
     members : list of DiffDriveNode
         The nodes whose time it is.
-    stepped, traffic :
+    stepped, in_flight :
         What the members share.
     step_ns : int
         Length of a step [ns].
@@ -65,9 +65,9 @@ class Stepper:
 
     def __init__(
             self, node: DiffDriveNode, members: List[DiffDriveNode], *, stepped: SteppedClock,
-            traffic: Traffic, step_ns: int, real_time_factor: float) -> None:
+            in_flight: InFlightMessages, step_ns: int, real_time_factor: float) -> None:
         self._node, self._members = node, members
-        self._stepped, self._traffic = stepped, traffic
+        self._stepped, self._in_flight = stepped, in_flight
         self._step_ns, self._factor = step_ns, real_time_factor
         self._publisher = node.publisher(Clock, '/clock', reliable(1))
         self._message = Clock()
@@ -102,7 +102,7 @@ class Stepper:
         while not stop and time.monotonic() < deadline:
             self._look_around()
             ready = [member.ready() for member in self._members]
-            if all(ready) and self._traffic.matched():
+            if all(ready) and self._in_flight.matched():
                 return
             executor.spin_once(timeout_sec=POLL_S)
         if not stop:
@@ -120,7 +120,7 @@ class Stepper:
             self._look_at = time.monotonic() + LOOK_PERIOD_S
             if self._look_at > self._look_around_at:
                 self._look_around()
-        self._traffic.forget()
+        self._in_flight.forget()
         for timer in self._stepped.due():
             self._stepped.fire(timer)
             self._deliver(executor)
@@ -129,16 +129,16 @@ class Stepper:
         """Raise ``Disturbed`` where others publish what only this process should."""
         self._look_around_at = time.monotonic() + LOOK_AROUND_PERIOD_S
         clock = {self._publisher.topic_name: [self._node.get_fully_qualified_name()]}
-        check_alone(self._node, {**self._traffic.heard_within(), **clock}, patience_s=patience_s)
+        check_alone(self._node, {**self._in_flight.heard_within(), **clock}, patience_s=patience_s)
 
     def _deliver(self, executor: Executor) -> None:
         """Let every message in flight be handled, and all that these cause."""
         deadline = time.monotonic() + DELIVERY_TIMEOUT_S
-        while not self._traffic.settled():
+        while not self._in_flight.settled():
             executor.spin_once(timeout_sec=POLL_S)
             if time.monotonic() > deadline:
                 self._node.get_logger().error('a message within the process was lost')
-                self._traffic.forget()
+                self._in_flight.forget()
 
     def _pace(self, executor: Executor, stop: Stop) -> None:
         """Keep to the real time factor."""

@@ -20,7 +20,7 @@ from diffdrive_kinematics.ros.messages.messages import check_time
 from rcl_interfaces.msg import SetParametersResult
 from rosgraph_msgs.msg import Clock
 
-__all__ = ['checked_clock', 'refusal']
+__all__ = ['checked_clock', 'rejected']
 
 
 def checked_clock(callback: Callable[[Clock], None]) -> Callable[[Clock], None]:
@@ -32,7 +32,7 @@ def checked_clock(callback: Callable[[Clock], None]) -> Callable[[Clock], None]:
     return checked
 
 
-def refusal(request: Any, response: Any, reason: str) -> Any:
+def rejected(request: Any, response: Any, reason: str) -> Any:
     """Return the response to a request that is refused."""
     if hasattr(response, 'success') and hasattr(response, 'message'):
         response.success, response.message = False, reason

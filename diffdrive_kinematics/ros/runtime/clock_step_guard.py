@@ -24,13 +24,13 @@ import time
 
 from rclpy.executors import Executor
 
-__all__ = ['Awake']
+__all__ = ['ClockStepGuard']
 
 LOOK_PERIOD_S = 0.2
 STEP_NS = 100_000_000  # less than that does not hold up much
 
 
-class Awake:
+class ClockStepGuard:
     """Context in which the timers of an executor go on whatever happens to the wall clock."""
 
     def __init__(self, executor: Executor) -> None:
@@ -38,7 +38,7 @@ class Awake:
         self._over = False
         self._thread = threading.Thread(target=self._look, daemon=True)
 
-    def __enter__(self) -> 'Awake':
+    def __enter__(self) -> 'ClockStepGuard':
         self._thread.start()
         return self
 

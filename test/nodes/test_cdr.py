@@ -19,13 +19,13 @@ import math
 import struct
 
 from diffdrive_kinematics.core.kinematics import Pose
-from diffdrive_kinematics.core.odometry import BaseReading, Encoder
+from diffdrive_kinematics.core.odometry import BaseState, Encoder
+from diffdrive_kinematics.ros.messages.cdr import Layout
 from diffdrive_kinematics.ros.messages.messages import (
     command_in, OdometryMessage, quaternion_of, set_stamp, TwistMessage)
 from diffdrive_kinematics.ros.messages.wheel_joints import WheelJoints
 from diffdrive_kinematics.ros.messages.wheel_messages import (
     WheelCommandMessage, WheelMessage, WheelReader)
-from diffdrive_kinematics.ros.messages.wire import Layout
 from diffdrive_kinematics.ros.publishers.tf import TransformMessage
 from geometry_msgs.msg import TransformStamped, Twist, TwistStamped
 from hypothesis import given, settings, strategies as st
@@ -103,7 +103,7 @@ def test_odometry(frame, child, stamp, pose, twist, covariance, twist_covariance
     layout.text(child)
     layout.numbers('d', [0.0] * 85)
     assert_same_bytes(
-        layout, ours.filled(stamp, BaseReading(pose, twist, (0.0, 0.0), (0.0, 0.0))), message)
+        layout, ours.encode(stamp, BaseState(pose, twist, (0.0, 0.0), (0.0, 0.0))), message)
 
 
 @settings(max_examples=300)
@@ -121,7 +121,7 @@ def test_joint_states(source, names, split, inverted, samples):
         message.header.frame_id = source
         set_stamp(message.header.stamp, stamp)
         assert_same_bytes(
-            joint_state_layout(message), ours.filled(stamp, rates, positions), message)
+            joint_state_layout(message), ours.encode(stamp, rates, positions), message)
 
 
 @given(names=JOINTS, rates=PAIRS, inverted=st.tuples(st.booleans(), st.booleans()))
@@ -132,7 +132,7 @@ def test_wheel_commands(names, rates, inverted):
     layout.sequence('I', [])
     layout.numbers('I', [0])
     layout.sequence('d', message.data)
-    assert_same_bytes(layout, WheelCommandMessage(joints).filled(rates), message)
+    assert_same_bytes(layout, WheelCommandMessage(joints).encode(rates), message)
 
 
 @given(frame=st.none() | NAMES, stamp=STAMPS, twist=PAIRS)
@@ -147,7 +147,7 @@ def test_twists(frame, stamp, twist):
         message.header.frame_id = frame
         set_stamp(message.header.stamp, stamp)
     layout.numbers('d', [0.0] * 6)
-    ours = TwistMessage(frame).filled(stamp, *twist)
+    ours = TwistMessage(frame).encode(stamp, *twist)
     assert_same_bytes(layout, ours, message)
     assert command_in(ours, frame is not None) == (0 if frame is None else stamp, *twist)
 
@@ -159,7 +159,7 @@ def test_a_transform(frame, child, stamp, pose):
     set_stamp(message.header.stamp, stamp)
     message.transform.translation.x, message.transform.translation.y = pose.x, pose.y
     message.transform.rotation.z, message.transform.rotation.w = quaternion_of(pose.theta)
-    ours = TransformMessage(frame, child).filled(stamp, pose)
+    ours = TransformMessage(frame, child).encode(stamp, pose)
     assert ours[:8] == bytes(serialize_message(message))[:4] + struct.pack('=I', 1)
     # a TFMessage is a count and the transforms; tf2_msgs may be missing here
     layout, whole = Layout(), Layout()
@@ -205,10 +205,10 @@ def test_a_known_layout_is_read_without_an_object(monkeypatch):
     """Else all of the above would pass by the slow way alone."""
     joints = WheelJoints((('left',), ('right',)))
     reader, messages = WheelReader(joints), WheelMessage(joints, 'me')
-    first = reader.read(messages.filled(1, (1.0, 2.0), (3.0, 4.0)), int)
+    first = reader.read(messages.encode(1, (1.0, 2.0), (3.0, 4.0)), int)
     monkeypatch.setattr(
         'diffdrive_kinematics.ros.messages.wheel_messages.deserialize_message', pytest.fail)
-    second = reader.read(messages.filled(2, (5.0, 6.0), (7.0, 8.0)), int)
+    second = reader.read(messages.encode(2, (5.0, 6.0), (7.0, 8.0)), int)
     assert (first.rates, first.positions) == ((1.0, 2.0), (3.0, 4.0))
     assert (second.stamp_ns, second.rates, second.positions, second.source) == (
         2, (5.0, 6.0), (7.0, 8.0), 'me')
@@ -257,6 +257,6 @@ def test_bytes_that_are_no_message_are_refused(data):
 
 def test_encoders_are_read_where_there_are_some():
     joints = WheelJoints((('left',), ('right',)))
-    message = deserialize_message(WheelMessage(joints, '', Encoder(period=4.0)).filled(
+    message = deserialize_message(WheelMessage(joints, '', Encoder(period=4.0)).encode(
         0, (0.0, 0.0), (5.0, -5.0)), JointState)
     assert list(message.position) == [1.0, -1.0]

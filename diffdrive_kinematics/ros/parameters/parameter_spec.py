@@ -26,7 +26,7 @@ from rclpy.exceptions import InvalidTopicNameException
 from rclpy.validate_topic_name import validate_topic_name
 
 __all__ = [
-    'Check', 'Entry', 'Kind', 'check_bias', 'check_concentration', 'check_count',
+    'Check', 'ParameterSpec', 'Kind', 'check_bias', 'check_concentration', 'check_count',
     'check_description', 'check_diagonal', 'check_distribution', 'check_frame', 'check_horizon',
     'check_joint_names', 'check_named', 'check_offset', 'check_one_of', 'check_optional_picture',
     'check_optional_seed', 'check_optional_topic', 'check_picture', 'check_pose',
@@ -51,7 +51,7 @@ class Kind(enum.Enum):
 
 
 @dataclass(frozen=True)
-class Entry:
+class ParameterSpec:
     """One parameter: name, default, meaning, and what a value must satisfy."""
 
     name: str
@@ -236,10 +236,12 @@ def check_optional_topic(name: str, value: str) -> None:
         check_topic(name, value)
 
 
-def string(name: str, default: str, description: str, check: Optional[Check] = None) -> Entry:
-    return Entry(name, default, description, Kind.STRING, check, read_only=True)
+def string(
+        name: str, default: str, description: str, check: Optional[Check] = None
+) -> ParameterSpec:
+    return ParameterSpec(name, default, description, Kind.STRING, check, read_only=True)
 
 
-def topic(name: str, default: str, description: str, *, optional: bool = False) -> Entry:
+def topic(name: str, default: str, description: str, *, optional: bool = False) -> ParameterSpec:
     return string(
         name, default, description, check_optional_topic if optional else check_topic)
