@@ -20,7 +20,7 @@ from typing import Any, Mapping, Optional, Tuple
 
 from diffdrive_kinematics.core.kinematics import Pose, WheelGeometry
 from diffdrive_kinematics.core.noise import (
-    heading_covariance, NO_COVARIANCE, PoseCovariance, sample_heading, twist_covariance)
+    CERTAIN, heading_moments, NO_COVARIANCE, PoseMoments, sample_heading, twist_covariance)
 from diffdrive_kinematics.core.odometry import (
     composed, Encoder, inverted, MeasuredWheels, OdometryHistory, RateWindow,
     timeout_from_seconds, Verdict, WheelPair)
@@ -84,14 +84,14 @@ def _bound(values: Mapping[str, Any]) -> float:
     return math.inf if math.isnan(bound) else bound
 
 
-def _start(values: Mapping[str, Any]) -> Tuple[Pose, PoseCovariance]:
-    """Return the pose to start from and its covariance: a heading that is drawn is certain."""
+def _start(values: Mapping[str, Any]) -> Tuple[Pose, PoseMoments]:
+    """Return the pose to start from and its moments: a heading that is drawn is certain."""
     pose = Pose(*values['initial_pose'])
     concentration, seed = values['initial_heading_concentration'], values['initial_heading_seed']
     if seed < 0 or math.isnan(concentration):
-        return pose, heading_covariance(concentration)
+        return pose, heading_moments(concentration)
     generator = np.random.default_rng(seed)
-    return pose._replace(theta=sample_heading(pose.theta, concentration, generator)), NO_COVARIANCE
+    return pose._replace(theta=sample_heading(pose.theta, concentration, generator)), CERTAIN
 
 
 class SimulatedBase(DiffDriveNode[Config]):
@@ -115,11 +115,11 @@ class SimulatedBase(DiffDriveNode[Config]):
         self._wheel_motion = self.poll(  # first, since it takes longest: others have to find it
             JointState, values['wheel_motion_topic'], self._on_wheels)
         self._wheel_motion.set_poll_rate(values['publish_rate'])
-        pose, covariance = _start(values)
+        pose, moments = _start(values)
         self._odometry = core.Odometry.starting_at(
             pose, geometry=self.config.geometry, timeout_ns=self.config.timeout_ns,
-            slip_variances=self.config.slip_variances, covariance=covariance)._replace(
-                max_rate=_bound(values), unmeasured=MeasuredWheels(
+            slip_variances=self.config.slip_variances)._replace(
+                moments=moments, max_rate=_bound(values), unmeasured=MeasuredWheels(
                     values['extrapolate_positions'],
                     RateWindow(values['velocity_rolling_window_size'])))
         self._wheels = WheelMessage(joints, self.source(), encoder)
@@ -154,6 +154,11 @@ class SimulatedBase(DiffDriveNode[Config]):
     def reading(self) -> core.BaseState:
         """Return the base as it is now."""
         return self._odometry.predict(self._updated_now())
+
+    def mean_error(self) -> Optional[Tuple[float, float]]:
+        """Return the mean error of x and y [m] that slip makes of the pose; None: it is known."""
+        error = self._odometry.moments_at(self._updated_now()).mean_error
+        return (error.real, error.imag) if error else None
 
     def _on_wheels(self, message: bytes, received_ns: int, number: int) -> None:
         now_ns = self._synchronised_now()
@@ -201,9 +206,10 @@ class SimulatedBase(DiffDriveNode[Config]):
         self._report_place(f"set on '{self.config.values['set_pose_topic']}'")
 
     def _on_reset(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
-        pose, covariance = _start(self.config.values)
+        pose, moments = _start(self.config.values)
         now_ns = self._updated_now()
-        self._place(self._odometry.set_pose(pose, covariance, now_ns, keep_angles=False))
+        self._place(self._odometry.set_pose(
+            pose, NO_COVARIANCE, now_ns, keep_angles=False)._replace(moments=moments))
         response.success, response.message = True, self._report_place('reset')
         return response
 
