@@ -24,8 +24,9 @@ from diffdrive_kinematics.core.kinematics import advance, Pose
 from diffdrive_kinematics.nodes import (
     calibrate, command_sequence, diff_drive_controller, diffdrive_sim, forward_projection,
     goal_steering, simulated_base, wheel_noise)
+from diffdrive_kinematics.ros.parameters.parameter_spec import Kind
 from diffdrive_kinematics.ros.parameters.parameters import ConfigurationError, ParameterSet
-from diffdrive_kinematics.ros.parameters.tables import Kind, TABLES
+from diffdrive_kinematics.ros.parameters.tables import TABLES
 from diffdrive_kinematics.tools.calibration_sources import Collection
 from geometry_msgs.msg import PoseStamped, PoseWithCovarianceStamped, Twist, TwistStamped, Vector3
 from hypothesis import given, HealthCheck, Phase, settings, strategies as st
