@@ -30,12 +30,10 @@ from diffdrive_kinematics.core.commands.limits import AxisLimits
 from diffdrive_kinematics.core.commands.ramp import ramp_step
 from diffdrive_kinematics.core.commands.saturation import saturate, wheel_bound, WheelBound
 from diffdrive_kinematics.core.kinematics import (
-    check_duration, check_rate, is_sane, LARGEST, RunningSum, wheel_rates_from_twist,
-    WheelGeometry)
+    check_duration, check_rate, is_sane, LARGEST, NANOSECONDS, RunningSum,
+    wheel_rates_from_twist, WheelGeometry)
 
 __all__ = ['Drive', 'DriveSettings', 'WheelCommand', 'STILL', 'Twist']
-
-NANOSECONDS = 1e9
 
 
 class Twist(NamedTuple):
@@ -412,9 +410,9 @@ class Drive(NamedTuple):
         """
         stamp = max(now_ns, self.since_ns + 1)
         left, right = self._angles(stamp)
-        return Drive(
-            self.settings, stamp, left=left, right=right, saturated=self.saturated,
-            limited=self.limited, timeouts=self.timeouts)
+        return self._replace(
+            since_ns=stamp, target=STILL, twist=STILL, before=STILL, rates=(0.0, 0.0), left=left,
+            right=right, deadline_ns=None, step_ns=None)
 
     def clock_stepped(self, step_ns: int) -> 'Drive':
         """

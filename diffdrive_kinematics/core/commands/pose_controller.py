@@ -17,7 +17,8 @@
 from dataclasses import dataclass
 import math
 
-from diffdrive_kinematics.core.commands.steering import Steered, SteeringLimits, STILL
+from diffdrive_kinematics.core.commands.drive import STILL
+from diffdrive_kinematics.core.commands.steering import Steered, SteeringLimits
 from diffdrive_kinematics.core.kinematics import check_positive, Pose, sinc, wrap_angle
 
 __all__ = ['PoseController']

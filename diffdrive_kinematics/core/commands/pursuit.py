@@ -19,7 +19,8 @@ from functools import cached_property
 import math
 from typing import NamedTuple, Sequence, Tuple
 
-from diffdrive_kinematics.core.commands.steering import Steered, SteeringLimits, STILL
+from diffdrive_kinematics.core.commands.drive import STILL
+from diffdrive_kinematics.core.commands.steering import Steered, SteeringLimits
 from diffdrive_kinematics.core.kinematics import (
     check_length, check_positive, is_sane, Pose, wrap_angle)
 import numpy as np

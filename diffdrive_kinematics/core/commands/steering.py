@@ -33,14 +33,12 @@ from dataclasses import dataclass
 import math
 from typing import NamedTuple, Protocol
 
-from diffdrive_kinematics.core.commands.drive import Twist
+from diffdrive_kinematics.core.commands.drive import STILL, Twist
 from diffdrive_kinematics.core.kinematics import (
     check_length, check_positive, LARGEST, Pose, wrap_angle)
 
 __all__ = [
     'Approach', 'HeadingRegulator', 'Law', 'PointForward', 'Steered', 'SteeringLimits']
-
-STILL = Twist(0.0, 0.0)
 
 
 class Steered(NamedTuple):
