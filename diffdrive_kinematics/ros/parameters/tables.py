@@ -51,6 +51,7 @@ _EXECUTOR = Spec(
     'executor', 'auto', 'of the process: auto (EventsExecutor where this rclpy has it), events, '
     'single_threaded; among the nodes of diffdrive_sim its own counts', Kind.STRING,
     check_one_of('auto', 'events', 'single_threaded'), read_only=True)
+_OVERWRITE = Spec('overwrite', False, 'replace files that exist', Kind.BOOL, read_only=True)
 _JOINTS = (
     Spec('left_wheel_names', ['left_wheel_joint'], 'joints of the left wheels', Kind.STRINGS,
          check_joint_names, read_only=True),
@@ -361,7 +362,8 @@ PLOT_PATHS = (
     *_BIAS, *_SLIP,
     replace(_DISTRIBUTION, description=_DISTRIBUTION.description + '; that of the errors of '
             'commands has to be bounded: gaussian stands for uniform there'),
-    string('output', 'paths.png', 'file to write, .png or .svg', check_picture))
+    string('output', 'paths.png', 'file to write, .png or .svg', check_picture),
+    _OVERWRITE)
 
 CALIBRATE = (
     *_GEOMETRY, *_JOINTS,
@@ -396,7 +398,7 @@ CALIBRATE = (
     string('output', 'calibration.yaml', 'params file to write', check_named),
     string('picture', '', 'picture of errors before and after to write, .png or .svg; empty: '
            'none', check_optional_picture),
-    Spec('overwrite', False, 'replace files that exist', Kind.BOOL, read_only=True),
+    _OVERWRITE,
     _EXECUTOR)
 
 ROBOT_DESCRIPTION = (
@@ -410,6 +412,7 @@ ROBOT_DESCRIPTION = (
          check=check_width),
     string('output', '', 'file to write instead: .urdf, or .yaml, a params file for '
            'robot_state_publisher; empty: publish', check_description),
+    _OVERWRITE,
     _EXECUTOR)
 
 DIFFDRIVE_SIM = (
