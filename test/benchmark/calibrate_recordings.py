@@ -18,7 +18,7 @@ Calibration of real robots: fitted to one recording, applied to others.
 
 Run by hand: ``python test/benchmark/calibrate_recordings.py DIRECTORY``.  The directory holds, at
 any depth, the files that the docstring of fit_slip.py names.  What is printed is explained in
-docs/calibration_on_real_robots.md.  It takes about a minute.
+docs/explanation/calibration_on_real_robots.md.  It takes about a minute.
 """
 
 import math

@@ -17,7 +17,7 @@ Compare the drift of robots simulated with fitted bias and slip with that of the
 
 Run by hand: ``python test/benchmark/compare_drifts.py DIRECTORY``.  The directory holds, at any
 depth, the files that the docstring of fit_slip.py names.  What is printed is explained in
-docs/calibration_on_real_robots.md.
+docs/explanation/calibration_on_real_robots.md.
 
 Drift is where the robot is after 10 s minus where nominal odometry says it is, in the frame of
 the start.  The real robot has one drift a window, the simulated one 200, from the same wheel
