@@ -19,7 +19,7 @@ import math
 from diffdrive_kinematics.core.calibration import (
     CalibrationParameters, drive_from_ticks, odometry_at)
 import numpy as np
-from recorded import TICKS_PER_TURN
+from support.recorded import TICKS_PER_TURN
 
 
 def encoder_drive(path):

@@ -23,11 +23,11 @@ from diffdrive_kinematics.core.calibration import (
     CalibrationParameters, Clock, drive_from_positions, fit_drive_slip, fit_trajectory,
     linearised, NO_FRAME, Windows, windows_between)
 from diffdrive_kinematics.core.kinematics import Pose, WheelGeometry
-from drives import curved_twists, Disturbance, drive, EXACT, GEOMETRY, Truth
-from end_points import encoder_drive, predicted_end
 import numpy as np
 import pytest
-from recorded import RADIUS, RUNS, SEPARATION
+from support.drives import curved_twists, Disturbance, drive, EXACT, GEOMETRY, Truth
+from support.end_points import encoder_drive, predicted_end
+from support.recorded import RADIUS, RUNS, SEPARATION
 
 NAMES = ('left_wheel_radius_multiplier', 'right_wheel_radius_multiplier',
          'wheel_separation_multiplier', 'frame_x', 'frame_y', 'frame_yaw')
