@@ -317,4 +317,3 @@ def _checked(
             f'{time_name} is {stamps[row]} in row {row} after {stamps[row - 1]}, '
             f'expected stamps that do not fall')
     return stamps, values
-
