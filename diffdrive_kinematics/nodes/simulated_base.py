@@ -18,12 +18,12 @@ from dataclasses import dataclass
 import math
 from typing import Any, Mapping, Optional, Tuple
 
-from diffdrive_kinematics.core.kinematics import Pose, WheelGeometry
+from diffdrive_kinematics.core.kinematics import compose, inverse, Pose, WheelGeometry
 from diffdrive_kinematics.core.noise import (
     CERTAIN, heading_moments, NO_COVARIANCE, PoseMoments, sample_heading, twist_covariance)
 from diffdrive_kinematics.core.odometry import (
-    composed, Encoder, inverted, MeasuredWheels, OdometryHistory, RateWindow,
-    timeout_from_seconds, Verdict, WheelPair)
+    Encoder, MeasuredWheels, OdometryHistory, RateWindow, timeout_from_seconds, Verdict,
+    WheelPair)
 from diffdrive_kinematics.core.odometry import odometry as core
 from diffdrive_kinematics.ros.inputs.driver_watch import DriverWatch
 from diffdrive_kinematics.ros.inputs.wheel_watch import WheelWatch
@@ -197,7 +197,7 @@ class SimulatedBase(DiffDriveNode[Config]):
             return
         truth = self._history.pose_at(stamp_ns)
         self._map_odom.publish(
-            stamp_ns, (own, belief.header.frame_id), composed(truth, inverted(believed)))
+            stamp_ns, (own, belief.header.frame_id), compose(truth, inverse(believed)))
 
     def _on_pose(self, message: PoseWithCovarianceStamped) -> None:
         pose, covariance = given_pose(message, self._message.frame_id)

@@ -31,7 +31,7 @@ from diffdrive_kinematics.core.noise.heading_moments import (
     GAUSSIAN, heading_variance, HeadingMoments, von_mises_moments)
 from diffdrive_kinematics.core.noise.matrices import pose_jacobians, rotations
 from diffdrive_kinematics.core.noise.noise import (
-    effective_ratio, sample_travel, SLIP_MODELS, travel_variance, WheelSlip)
+    check_slip_model, effective_ratio, sample_travel, SLIP_MODELS, travel_variance, WheelSlip)
 from diffdrive_kinematics.core.noise.outline import area, outer_boundary, perimeter, simplified
 from diffdrive_kinematics.core.noise.planar import (
     planar_covariance, planar_pose, yaw_from_quaternion)
@@ -48,12 +48,12 @@ from diffdrive_kinematics.core.noise.twist_covariance import twist_covariance, T
 __all__ = [
     'CERTAIN', 'DISTRIBUTIONS', 'GAUSSIAN', 'HeadingMoments', 'NO_COVARIANCE', 'PoseCovariance',
     'PoseMoments', 'Projected', 'SLIP_MODELS', 'Stage', 'StepNoise', 'TwistCovariance',
-    'WheelSlip', 'arc_moments', 'area', 'check_distribution', 'covariance_along', 'draw_unit',
-    'effective_ratio', 'fill_normals', 'followed', 'gaussian_moments', 'heading_moments',
-    'heading_variance', 'lateral_variances', 'moved_covariance', 'outer_boundary', 'perimeter',
-    'planar_covariance', 'planar_pose', 'pose_jacobians', 'projected', 'propagate',
-    'propagated_covariance', 'propagated_moments', 'reachable_set', 'reachable_set_from_slip',
-    'rotations', 'sample_heading', 'sample_paths', 'sample_travel', 'simplified',
-    'slip_covariance', 'slip_on_arc', 'stage_from_slip', 'step_noise', 'travel_of_command',
-    'travel_variance', 'twist_covariance', 'unit_bound', 'von_mises_moments',
-    'with_pivots_joined', 'yaw_from_quaternion']
+    'WheelSlip', 'arc_moments', 'area', 'check_distribution', 'check_slip_model',
+    'covariance_along', 'draw_unit', 'effective_ratio', 'fill_normals', 'followed',
+    'gaussian_moments', 'heading_moments', 'heading_variance', 'lateral_variances',
+    'moved_covariance', 'outer_boundary', 'perimeter', 'planar_covariance', 'planar_pose',
+    'pose_jacobians', 'projected', 'propagate', 'propagated_covariance', 'propagated_moments',
+    'reachable_set', 'reachable_set_from_slip', 'rotations', 'sample_heading', 'sample_paths',
+    'sample_travel', 'simplified', 'slip_covariance', 'slip_on_arc', 'stage_from_slip',
+    'step_noise', 'travel_of_command', 'travel_variance', 'twist_covariance', 'unit_bound',
+    'von_mises_moments', 'with_pivots_joined', 'yaw_from_quaternion']
