@@ -21,7 +21,7 @@ that of wheel odometry.  If the systematic errors have been calibrated away, it 
 
 ``P = k_l A_l + k_r A_r + s_p^2 N_p + s_h^2 N_h``,
 
-where ``A_w`` is the covariance of the package for ``k_w = 1`` (see :mod:`.covariance`), and s_p
+where ``A_w`` is the covariance of the package for ``k_w = 1`` (see :mod:`.first_order`), and s_p
 and s_h are the white noise of the reference's position (each axis) and heading.  Both ends
 carry it: ``N_p = diag(2, 2, 0)``, and ``N_h = j j^T + diag(0, 0, 1)`` with ``j = (y, -x, -1)``,
 as an error of the heading at the start swings the whole displacement (x, y).
