@@ -38,7 +38,6 @@ straight; what is published is about the pose that the wheels say, the mean erro
 included.
 """
 
-import cmath
 import math
 from typing import NamedTuple, Tuple
 
@@ -51,7 +50,7 @@ from diffdrive_kinematics.core.noise.pose_moments import followed, PoseMoments
 __all__ = ['arc_moments', 'propagated_moments', 'slip_on_arc']
 
 
-class Rule(NamedTuple):
+class _Rule(NamedTuple):
     """Gauss-Legendre quadrature over [0, 1], up to a turn + 4 V of ``reach``."""
 
     reach: float
@@ -65,8 +64,8 @@ def _exponential(terms: int) -> Tuple[float, ...]:
 
 THIRD = math.sqrt(0.15)
 RULES = (
-    Rule(0.005, ((0.5 - THIRD, 5 / 18), (0.5, 4 / 9), (0.5 + THIRD, 5 / 18)), _exponential(7)),
-    Rule(0.15, (
+    _Rule(0.005, ((0.5 - THIRD, 5 / 18), (0.5, 4 / 9), (0.5 + THIRD, 5 / 18)), _exponential(7)),
+    _Rule(0.15, (
         (0.06943184420297371, 0.17392742256872693), (0.33000947820757187, 0.3260725774312731),
         (0.6699905217924281, 0.3260725774312731), (0.9305681557970263, 0.17392742256872693)),
         _exponential(9)))
@@ -141,7 +140,8 @@ def arc_moments(
         part = arc_moments(0.5 * distance, 0.5 * turn, (0.5 * q, 0.5 * c, 0.5 * v))
         quarter = 0.25 * turn
         way = 0.5 * distance * (math.sin(quarter) / quarter if quarter else 1.0)
-        return followed(part, 0.5 * turn, way * cmath.exp(3.0j * quarter), part)
+        middle = complex(math.cos(3.0 * quarter), math.sin(3.0 * quarter))
+        return followed(part, 0.5 * turn, way * middle, part)
     _, nodes, exponential = RULES[0] if reach <= RULES[0].reach else RULES[1]
     xx = xy = xt = yy = yt = x_of_sin = x_of_cos = y_of_sin = y_of_cos = 0.0
     mean = 0j
