@@ -154,9 +154,9 @@ def _nothing(bag: Bag, topic: BagTopic, values: Mapping[str, Any]) -> str:
     """Return why no message of a topic was of use."""
     first = message_of(next(iter(bag.messages([topic.name]))))
     if topic.kind == JOINTS:
-        return (f"'{topic.name}' has the joints {list(first.name)!r}, expected "
-                f"{list(wheel_joints(values).all_names())!r}: set left_wheel_names and "
-                'right_wheel_names')
+        wanted = list(wheel_joints(values).all_names())
+        return (f"'{topic.name}' has the joints {list(first.name)!r}, expected {wanted!r}: set "
+                'left_wheel_names and right_wheel_names')
     pairs = Counter(
         _frames(each) for message in bag.messages([topic.name])
         for each in message_of(message).transforms)

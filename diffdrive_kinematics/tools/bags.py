@@ -147,9 +147,9 @@ def _files_in(path: str) -> List[Path]:
 def _reader() -> Tuple[Any, Tuple[type, ...]]:
     """Return what opens a bag, and the errors that it raises."""
     try:
-        import apsw
-        from rosbags.rosbag2 import reader, ReaderError
-        return _WithRosbags, (ReaderError, apsw.Error, reader.zstd.ZstdError, *UNREADABLE)
+        from rosbags.rosbag2 import reader, ReaderError, storage_sqlite3
+        return _WithRosbags, (
+            ReaderError, reader.zstd.ZstdError, storage_sqlite3.apsw.Error, *UNREADABLE)
     except ImportError:
         pass
     try:
