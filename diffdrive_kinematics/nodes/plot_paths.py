@@ -21,7 +21,7 @@ from typing import Any, List, Mapping, Tuple, Union
 
 from diffdrive_kinematics.core.kinematics import Command, Pose, WheelGeometry
 from diffdrive_kinematics.core.noise import (
-    heading_moments, PoseCovariance, PoseMoments, propagated_moments, reachable_set_from_slip,
+    heading_moments, PoseMoments, propagated_moments, reachable_set_from_slip,
     sample_heading, sample_paths, travel_of_command, unit_bound, WheelSlip)
 from diffdrive_kinematics.ros.parameters.from_values import commands_from, wheel_slips
 from diffdrive_kinematics.ros.parameters.package_share import with_params_file
@@ -85,7 +85,8 @@ def picture_of(config: Config) -> Picture:
     after = range(config.each, len(poses), config.each)
     boundaries = [_boundary(start, config, end) for end in after] if _bounded(config) else []
     return Picture(
-        paths, Pose(*map(np.array, zip(*poses))), [_spread(poses[i], moments[i]) for i in after],
+        paths, Pose(*map(np.array, zip(*poses))), [
+            (poses[i], moments[i].second_moment()) for i in after],
         boundaries, _title(config))
 
 
@@ -101,12 +102,6 @@ def _beliefs(start: Pose, config: Config) -> Tuple[List[Pose], List[PoseMoments]
         poses.append(pose)
         moments.append(after)
     return poses, moments
-
-
-def _spread(pose: Pose, moments: PoseMoments) -> Tuple[Pose, PoseCovariance]:
-    """Return the mean pose and the covariance about it."""
-    error = moments.mean_error
-    return pose._replace(x=pose.x + error.real, y=pose.y + error.imag), moments.spread
 
 
 def _starts(start: Pose, config: Config) -> Pose:
