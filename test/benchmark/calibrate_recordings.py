@@ -28,14 +28,14 @@ import sys
 import numpy as np
 
 TEST = Path(__file__).resolve().parents[1]
-sys.path[:0] = [str(TEST.parent), str(TEST / 'support')]
+sys.path[:0] = [str(TEST.parent), str(TEST)]
 
 from diffdrive_kinematics.core.calibration import (  # noqa: E402, I100
     CalibrationParameters, Clock, COMMANDED, corrected, fit_segment_slip, fit_trajectory,
     linearised, NO_FRAME, ReturnError, segment_from_commands, umbmark, windows_between)
 from diffdrive_kinematics.core.kinematics import WheelGeometry  # noqa: E402, I100
-from end_points import encoder_segment, predicted_end  # noqa: E402
-from recorded import RADIUS, SEPARATION  # noqa: E402
+from support.end_points import encoder_segment, predicted_end  # noqa: E402
+from support.recorded import RADIUS, SEPARATION  # noqa: E402
 
 SESSIONS = {'1.7 m squares': 'square_231220200029', '0.75 m squares': 'square_230620202042',
             'circles': 'circular_231220200121', 'free paths': 'free_030120210006'}

@@ -32,7 +32,7 @@ import sys
 import numpy as np
 
 TEST = Path(__file__).resolve().parents[1]
-sys.path[:0] = [str(TEST.parent), str(TEST / 'support'), str(TEST / 'benchmark')]
+sys.path[:0] = [str(TEST.parent), str(TEST), str(TEST / 'benchmark')]
 
 from calibrate_recordings import (  # noqa: E402, I100
     commanded_halves, CREATE, ENCODERS, SESSIONS)
@@ -42,7 +42,7 @@ from diffdrive_kinematics.core.calibration.trajectory_fit import (  # noqa: E402
 from diffdrive_kinematics.core.calibration.trajectory_windows import (  # noqa: E402
     CalibrationParameters, linearised, windows_between)
 from diffdrive_kinematics.core.kinematics.angles import wrap_angle  # noqa: E402
-from end_points import encoder_segment  # noqa: E402
+from support.end_points import encoder_segment  # noqa: E402
 
 WINDOW_S, SEEDS = 10.0, 200
 AXES = ('along [mm]', 'across [mm]', 'yaw [mrad]')

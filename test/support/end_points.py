@@ -19,7 +19,7 @@ import math
 from diffdrive_kinematics.core.calibration import (
     CalibrationParameters, odometry_at, segment_from_ticks)
 import numpy as np
-from recorded import TICKS_PER_TURN
+from support.recorded import TICKS_PER_TURN
 
 
 def encoder_segment(path):

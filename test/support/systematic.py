@@ -25,7 +25,7 @@ from diffdrive_kinematics.core.calibration import (
     Clock, fit_trajectory, segment_from_positions, slip_window)
 from diffdrive_kinematics.core.kinematics import Pose, WheelGeometry, wrap_angle
 import numpy as np
-from recorded import RADIUS, SEPARATION, TICKS_PER_TURN
+from support.recorded import RADIUS, SEPARATION, TICKS_PER_TURN
 
 FIT_SECONDS, FIT_EVERY_SECONDS = 5.0, 0.5
 POSITION_SIGMA, HEADING_SIGMA = 0.003, 0.008  # their ratio weighs positions against headings

@@ -22,11 +22,11 @@ from diffdrive_kinematics.core.calibration import (
     CalibrationParameters, Clock, fit_segment_slip, fit_trajectory, linearised, NO_FRAME,
     segment_from_positions, Windows, windows_between)
 from diffdrive_kinematics.core.kinematics import Pose, WheelGeometry
-from drives import curved_twists, Disturbance, drive, EXACT, GEOMETRY, Truth
-from end_points import encoder_segment, predicted_end
 import numpy as np
 import pytest
-from recorded import RADIUS, RUNS, SEPARATION
+from support.drives import curved_twists, Disturbance, drive, EXACT, GEOMETRY, Truth
+from support.end_points import encoder_segment, predicted_end
+from support.recorded import RADIUS, RUNS, SEPARATION
 
 NAMES = ('left_wheel_radius_multiplier', 'right_wheel_radius_multiplier',
          'wheel_separation_multiplier', 'frame_x', 'frame_y', 'frame_yaw')
