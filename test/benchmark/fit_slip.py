@@ -25,7 +25,7 @@ files in the format of test/data (columns and units: test/data/README.md), of wh
   ``mrclam7_robotN_truth.csv.gz`` (``time_sec,x,y,yaw``) are dataset 7 of UTIAS MRCLAM: the first
   half of each robot predicts its second.  Left out where the files are not there.
 
-What is printed is explained in docs/slip_on_real_robots.md.  It takes some minutes.
+What is printed is explained in docs/explanation/slip_on_real_robots.md.  It takes some minutes.
 """
 
 from itertools import chain

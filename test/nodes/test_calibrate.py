@@ -243,7 +243,7 @@ def test_a_run_whose_time_begins_anew_is_not_laid_beside_the_reference_of_the_on
             pose.position.x = 10.0 * run + number
             collection.add_reference(
                 Time(sec=stamp_ns // 10**9, nanosec=stamp_ns % 10**9), pose)
-    first, second = collection.segments()
+    first, second = collection.drives()
     assert first.reference[0, 0] == 0.0 and len(first.reference) == 100
     assert second.reference[0, 0] == 10.0 and len(second.reference) == 60
     assert '160 samples of the wheels, 160 of the reference' in collection.summary(
@@ -256,7 +256,7 @@ def test_wheels_and_a_reference_of_different_clocks_are_named_as_such():
         collection.add_wheels(WheelSample(number * 10**9, None, (1.0, 1.0)))
         collection.add_reference(Time(sec=5000 + number), PoseMsg())
     with pytest.raises(ValueError, match='1.000 to 9.000 s .* 5001.000 to 5009.000 s'):
-        collection.segments()
+        collection.drives()
 
 
 def test_a_reference_that_is_published_as_sensor_data_is_heard(graph, tmp_path):

@@ -126,9 +126,9 @@ def test_the_program_draws_the_figure(graph, tmp_path, file):
 
 
 def test_every_figure_is_on_the_page():
-    page = (ROOT / 'docs' / 'figures.md').read_text(encoding='utf-8')
+    page = (ROOT / 'docs' / 'explanation' / 'figures.md').read_text(encoding='utf-8')
     assert len(FIGURES) == 5
     for file in FIGURES:
-        picture = ROOT / 'docs' / 'figures' / f'{file.stem}.png'
+        picture = ROOT / 'docs' / 'explanation' / 'figures' / f'{file.stem}.png'
         assert f'figures/{file.stem}.png' in page and f'figures/{file.name}' in page
         assert picture.stat().st_size < 100_000

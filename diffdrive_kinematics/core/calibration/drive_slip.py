@@ -13,14 +13,14 @@
 # limitations under the License.
 
 """
-Slip of calibrated drives: from a calibration and its segments to slip constants with errors.
+Slip of calibrated drives: from a calibration and its drives to slip constants with errors.
 
 Windows that the calibration takes for outliers (an encoder that starts anew, a tracker that loses
 its body) are left out here as well: a single one would outweigh all slip.
 
 Windows that start often overlap, which makes the best use of the data but leaves the standard
 errors of :func:`.fit_slip` too small; here they come from leaving out a group at a time
-(Tukey's jackknife, Efron & Stein 1981, Ann. Stat. 9(3)), a group being a segment, or a part of
+(Tukey's jackknife, Efron & Stein 1981, Ann. Stat. 9(3)), a group being a drive, or a part of
 one where there are few.  The calibration itself is taken as exact: calibrate other drives than
 those whose slip is wanted where the systematic errors are not known far better than the slip.
 """
@@ -40,24 +40,24 @@ from diffdrive_kinematics.core.kinematics import Pose, WheelGeometry
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ['fit_segment_slip', 'segment_windows']
+__all__ = ['fit_drive_slip', 'slip_windows']
 
 Array = NDArray[np.float64]
 
 FEWEST_GROUPS = 5
 
 
-def segment_windows(
-        geometry: WheelGeometry, segment: RecordedDrive, systematic: CalibrationParameters,
+def slip_windows(
+        geometry: WheelGeometry, drive: RecordedDrive, systematic: CalibrationParameters,
         length: float, every: float, tolerance: float = 0.1) -> List[SlipWindow]:
     """
-    Return the slip windows of one length of a segment, calibrated, in order.
+    Return the slip windows of one length of a drive, calibrated, in order.
 
     Parameters
     ----------
     geometry : WheelGeometry
         Geometry from which the calibration started.
-    segment : RecordedDrive
+    drive : RecordedDrive
         The drive.
     systematic : CalibrationParameters
         What is systematic about it.
@@ -72,47 +72,47 @@ def segment_windows(
 
     Examples
     --------
-    >>> from diffdrive_kinematics.core.calibration import segment_from_rates
+    >>> from diffdrive_kinematics.core.calibration import drive_from_rates
     >>> stamps = np.arange(0.0, 10.5, 0.5)
     >>> poses = np.stack([stamps, 0.0 * stamps, 0.0 * stamps], axis=1)
-    >>> drive = segment_from_rates(stamps, np.full((21, 2), 8.0), stamps, poses)
-    >>> len(segment_windows(
+    >>> drive = drive_from_rates(stamps, np.full((21, 2), 8.0), stamps, poses)
+    >>> len(slip_windows(
     ...     WheelGeometry(0.5, 0.125), drive, CalibrationParameters(), length=2.0, every=2.5))
     4
 
     """
-    chosen = windows_between(segment, (length,), every, tolerance)
+    chosen = windows_between(drive, (length,), every, tolerance)
     calibrated = replace(
         geometry,
         wheel_separation_multiplier=geometry.wheel_separation_multiplier * systematic.separation)
-    middle = 0.5 * (segment.time[0] + segment.time[-1])
-    stamps = (segment.reference_time - systematic.offset
-              - systematic.drift * (segment.reference_time - middle))
+    middle = 0.5 * (drive.time[0] + drive.time[-1])
+    stamps = (drive.reference_time - systematic.offset
+              - systematic.drift * (drive.reference_time - middle))
     radii = np.array([geometry.left_radius * systematic.left,
                       geometry.right_radius * systematic.right])
-    poses = _centre(segment.reference, systematic)
+    poses = _centre(drive.reference, systematic)
     found = []
     for start, end in zip(chosen.start, chosen.end):
-        travel = radii * np.diff(_angles(segment, stamps[start], stamps[end]), axis=0)
+        travel = radii * np.diff(_angles(drive, stamps[start], stamps[end]), axis=0)
         if travel.any():
             found.append(slip_window(
                 calibrated, travel, Pose(*poses[start]), Pose(*poses[end])))
     return found
 
 
-def fit_segment_slip(
-        geometry: WheelGeometry, segments: Sequence[RecordedDrive], fit: TrajectoryFit, *,
+def fit_drive_slip(
+        geometry: WheelGeometry, drives: Sequence[RecordedDrive], fit: TrajectoryFit, *,
         lengths: Tuple[float, ...] = (2.0, 10.0), every: float = 1.0, equal: bool = True
 ) -> SlipFit:
     """
-    Return the slip constants of calibrated segments, errors by leaving out groups of windows.
+    Return the slip constants of calibrated drives, errors by leaving out groups of windows.
 
     Parameters
     ----------
     geometry : WheelGeometry
         Geometry that :func:`.fit_trajectory` was given.
-    segments : sequence of RecordedDrive
-        Segments that it was given.
+    drives : sequence of RecordedDrive
+        Drives that it was given.
     fit : TrajectoryFit
         What it returned.
     lengths : tuple of float
@@ -130,36 +130,36 @@ def fit_segment_slip(
     Raises
     ------
     ValueError
-        As :func:`.fit_slip`; if the segments are not those of the fit.
+        As :func:`.fit_slip`; if the drives are not those of the fit.
 
     Examples
     --------
     A drive without slip, by a reference with a noise of 2 mm and 2 mrad:
 
-    >>> from diffdrive_kinematics.core.calibration import segment_from_rates
+    >>> from diffdrive_kinematics.core.calibration import drive_from_rates
     >>> from diffdrive_kinematics.core.calibration import Clock, fit_trajectory
     >>> from diffdrive_kinematics.core.calibration import odometry_at
     >>> geometry, stamps = WheelGeometry(0.5, 0.125), np.arange(0.0, 60.0, 0.5)
     >>> rates = 8.0 + 4.0 * np.stack([np.sin(stamps), np.cos(0.7 * stamps)], axis=1)
-    >>> bare = segment_from_rates(stamps, rates, stamps, np.zeros((120, 3)))
+    >>> bare = drive_from_rates(stamps, rates, stamps, np.zeros((120, 3)))
     >>> noise = np.random.default_rng(1).normal(0.0, 0.002, (120, 3))
     >>> drive = replace(
     ...     bare, reference=odometry_at(geometry, bare, CalibrationParameters()) + noise)
     >>> fit = fit_trajectory(geometry, [drive], frame=Pose(0.0, 0.0, 0.0), clock=Clock.NONE)
-    >>> f'{fit_segment_slip(geometry, [drive], fit).sigma_position.value:.3f} m'
+    >>> f'{fit_drive_slip(geometry, [drive], fit).sigma_position.value:.3f} m'
     '0.002 m'
 
     """
-    if len(segments) != len(fit.offsets):
+    if len(drives) != len(fit.offsets):
         raise ValueError(
-            f'there are {len(segments)} segments, expected {len(fit.offsets)} as in the fit')
+            f'there are {len(drives)} drives, expected {len(fit.offsets)} as in the fit')
     groups: List[List[SlipWindow]] = []
-    parts = -(-FEWEST_GROUPS // len(segments))
-    for number, segment in enumerate(segments):
+    parts = -(-FEWEST_GROUPS // len(drives))
+    for number, drive in enumerate(drives):
         mine: List[List[SlipWindow]] = [[] for _ in range(parts)]
         for length in lengths:
-            windows = [each for each in segment_windows(
-                geometry, segment, fit.systematic(number), length, every)
+            windows = [each for each in slip_windows(
+                geometry, drive, fit.systematic(number), length, every)
                 if _credible(each, fit.variances)]
             for n, window in enumerate(windows):
                 mine[n * parts // len(windows)].append(window)
@@ -196,9 +196,9 @@ def _centre(reference: Array, systematic: CalibrationParameters) -> Array:
                      reference[:, 1] - sine * systematic.x - cosine * systematic.y, theta], axis=1)
 
 
-def _angles(segment: RecordedDrive, start: float, end: float) -> Array:
+def _angles(drive: RecordedDrive, start: float, end: float) -> Array:
     """Return the wheel angles at two stamps and all between, interpolated at the two."""
-    inside = segment.angles[(segment.time > start) & (segment.time < end)]
-    first, last = (np.array([np.interp(stamp, segment.time, wheel) for wheel in segment.angles.T])
+    inside = drive.angles[(drive.time > start) & (drive.time < end)]
+    first, last = (np.array([np.interp(stamp, drive.time, wheel) for wheel in drive.angles.T])
                    for stamp in (start, end))
     return np.vstack([first, inside, last])
