@@ -152,8 +152,7 @@ class DiffDriveController(DiffDriveNode[Config]):
 
     def _go_on(self, now_ns: int) -> None:
         """Take the time since the last command ended, of which nobody was told, for none."""
-        drive = self._drive.clock_stepped(now_ns - self._drive.deadline_ns)
-        self._drive = drive._replace(deadline_ns=None)
+        self._drive = self._drive.resumed(now_ns)
 
     def _end_early(self, now_ns: int, age_ns: int) -> None:
         """Let a command that was long on its way end a timeout after it was sent."""
