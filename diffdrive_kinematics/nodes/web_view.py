@@ -17,20 +17,19 @@
 from dataclasses import dataclass
 import math
 import time
-from typing import Any, Dict, List, Mapping, Optional, Tuple
+from typing import Any, List, Mapping, Tuple
 
 from diagnostic_msgs.msg import DiagnosticArray
-from diffdrive_kinematics.core.kinematics import Pose, wrap_angle
-from diffdrive_kinematics.ros.messages.messages import pose_in_plane, set_stamp, TwistMessage
+from diffdrive_kinematics.ros.messages.messages import set_stamp, TwistMessage
 from diffdrive_kinematics.ros.parameters.parameters import ConfigurationError
 from diffdrive_kinematics.ros.parameters.tables import WEB_VIEW
 from diffdrive_kinematics.ros.runtime.diagnostics import RateSample, Status
 from diffdrive_kinematics.ros.runtime.node import DiffDriveNode
 from diffdrive_kinematics.ros.runtime.running import main_of
 from diffdrive_kinematics.tools.helm import Helm
+from diffdrive_kinematics.tools.page_frame import check_numbers, PageFrame
 from geometry_msgs.msg import PolygonStamped, PoseArray, PoseStamped, Twist, TwistStamped
 from nav_msgs.msg import Odometry, Path
-import numpy as np
 from rcl_interfaces.srv import GetParameters, SetParameters
 from rclpy.parameter import Parameter
 from rclpy.publisher import Publisher
@@ -38,8 +37,6 @@ from std_srvs.srv import Trigger
 
 LOOPBACK = ('127.0.0.1', 'localhost', '::1')
 SILENCE_S = 0.3  # of a viewer who drives, after which the robot stands
-THIN = 0.05  # of the wheel separation: how far apart the points of a trail are
-LONGEST = 5000  # points of a trail
 NOISE = (  # what is set in the noise node: label, range, step
     ('left_bias', 'left bias', -0.05, 0.05, 0.001),
     ('right_bias', 'right bias', -0.05, 0.05, 0.001),
@@ -54,47 +51,25 @@ class Config:
     values: Mapping[str, Any]
 
 
-class Trail:
-    """The way of a robot, thinned out."""
-
-    def __init__(self, apart: float) -> None:
-        self.points: List[Tuple[float, float]] = []
-        self._apart, self._sent = apart, 0
-
-    def add(self, pose: Pose) -> None:
-        """Add a pose that is far enough from the last one."""
-        if not self.points or math.dist(self.points[-1], pose[:2]) >= self._apart:
-            self.points.append((round(pose.x, 4), round(pose.y, 4)))
-            if len(self.points) > LONGEST:
-                del self.points[0]
-                self._sent -= 1
-
-    def news(self) -> List[Tuple[float, float]]:
-        """Return the points that were added since it was asked last."""
-        since, self._sent = max(0, self._sent), len(self.points)
-        return self.points[since:]
-
-
 class WebView(DiffDriveNode[Config]):
     """
     Serves the page; it subscribes to nothing while nobody looks.
 
-    All that is heard is drawn in one plane, that of the odometry: belief and truth start alike.
+    What viewers do is taken up at the rate of the page, by methods ``_do_<name>``.
     """
 
     def __init__(self, name: str = 'web_view', **composition: Any) -> None:
         super().__init__(name, WEB_VIEW, Config, **composition)
         values = self.config.values
-        self._frame: Dict[str, Any] = {}
-        self._truth: Optional[Pose] = None
-        self._belief_frame = ''
-        self._health: Dict[str, Tuple[int, str]] = {}
+        self._shown = PageFrame(values['wheel_separation'])
         self._helm, self._drove = Helm(SILENCE_S), False
-        self._forget_trails()
         stamped = values['enable_stamped_cmd_vel']
         self._message = TwistMessage(values['base_frame_id'] if stamped else None)
         self._commands = self.publisher(
             TwistStamped if stamped else Twist, values['cmd_vel_topic'])
+        if values['autonomous_cmd_vel_topic']:
+            self.subscribe(TwistStamped if stamped else Twist,
+                           values['autonomous_cmd_vel_topic'], self._pass_on)
         self._goals = self.publisher(PoseStamped, values['goal_topic'])
         self._plans = self.publisher(Path, values['plan_topic'])
         self._triggers = {
@@ -136,10 +111,6 @@ class WebView(DiffDriveNode[Config]):
         self.get_logger().info(f'open http://{shown}:{page.port} in a browser')
         return page
 
-    def _forget_trails(self) -> None:
-        apart = THIN * self.config.values['wheel_separation']
-        self._trails = [Trail(apart), Trail(apart)]
-
     # What comes in from ROS, while somebody looks.
 
     def _listen(self) -> None:
@@ -147,55 +118,22 @@ class WebView(DiffDriveNode[Config]):
         self._heard = [
             self.subscribe(message_type, values[name], callback, needs_wakeup=False)
             for message_type, name, callback in (
-                (Odometry, 'odom_topic', self._on_belief),
-                (Odometry, 'truth_topic', self._on_truth),
-                (PoseArray, 'poses_topic', self._on_poses),
-                (PolygonStamped, 'boundary_topic', self._on_boundary))
+                (Odometry, 'odom_topic', self._shown.take_belief),
+                (Odometry, 'truth_topic', self._shown.take_truth),
+                (PoseArray, 'poses_topic', self._shown.take_poses),
+                (PolygonStamped, 'boundary_topic', self._shown.take_boundary))
             if values[name]]
         self._heard.append(self.create_subscription(
-            DiagnosticArray, '/diagnostics', self._on_diagnostics, 10))
+            DiagnosticArray, '/diagnostics', self._shown.take_diagnostics, 10))
 
     def _ignore(self) -> None:
         for subscription in self._heard:
             self.unsubscribe(subscription)
         self._heard = []
 
-    def _on_belief(self, message: Odometry) -> None:
-        pose, twist = pose_in_plane(message.pose.pose), message.twist.twist
-        self._belief_frame = message.header.frame_id
-        covariance = np.reshape(message.pose.covariance, (6, 6))[np.ix_((0, 1, 5), (0, 1, 5))]
-        self._trails[0].add(pose)
-        self._frame['belief'] = [*pose, twist.linear.x, twist.angular.z]
-        self._frame['covariance'] = [covariance[0, 0], covariance[0, 1], covariance[1, 1]]
-        truth = self._truth
-        if truth is not None:
-            error = np.array([truth.x - pose.x, truth.y - pose.y,
-                              wrap_angle(truth.theta - pose.theta)])
-            self._frame['drift'] = [float(math.hypot(*error[:2])), float(error[2])]
-            if np.linalg.eigvalsh(covariance)[0] > 0.0:
-                self._frame['nees'] = float(error @ np.linalg.solve(covariance, error))
-
-    def _on_truth(self, message: Odometry) -> None:
-        self._truth = pose_in_plane(message.pose.pose)
-        self._trails[1].add(self._truth)
-        self._frame['truth'] = list(self._truth)
-
-    def _on_poses(self, message: PoseArray) -> None:
-        self._frame['poses'] = [
-            (round(pose.position.x, 4), round(pose.position.y, 4)) for pose in message.poses]
-
-    def _on_boundary(self, message: PolygonStamped) -> None:
-        self._frame['boundary'] = [
-            (round(point.x, 4), round(point.y, 4)) for point in message.polygon.points] or None
-
-    def _on_diagnostics(self, message: DiagnosticArray) -> None:
-        for status in message.status:
-            self._health[status.name] = ord(status.level), status.message
-            for pair in status.values:
-                if pair.key == 'emergency stop':
-                    self._frame['stopped'] = pair.value != 'off'
-        self._frame['status'] = [
-            (level, name, text) for name, (level, text) in sorted(self._health.items())]
+    def _pass_on(self, message: Any) -> None:
+        if not self._helm.viewer:
+            self._commands.publish(message)
 
     # What viewers do.
 
@@ -212,9 +150,8 @@ class WebView(DiffDriveNode[Config]):
             self._listen() if page.viewers else self._ignore()
         if page.viewers:
             self.sent += 1
-            page.send({**self._frame, 'driver': self._helm.viewer,
-                       'trails': [trail.news() for trail in self._trails]})
-            self._frame = {}
+            self._shown.show('driver', self._helm.viewer)
+            page.send(self._shown.taken())
 
     def _drive(self) -> None:
         """Publish what the viewer at the helm asks for, and rest once it ends."""
@@ -228,25 +165,25 @@ class WebView(DiffDriveNode[Config]):
 
     def _do_drive(self, viewer: int, value: Any) -> None:
         v, w = (max(-1.0, min(1.0, float(part))) for part in value)
-        if v != v or w != w:
-            raise ValueError(f'{value!r}, expected two numbers')
+        check_numbers((v, w))
         values = self.config.values
         self._helm = self._helm.asked(
             viewer, (v * values['max_speed'], w * values['max_yaw_rate']), time.monotonic())
 
     def _do_goal(self, viewer: int, value: Any) -> None:
         x, y = map(float, value)
-        belief = self._trails[0].points
-        if not belief or not math.isfinite(x + y):
-            raise ValueError(f'{value!r}, expected a place, after the first odometry')
-        yaw = math.atan2(y - belief[-1][1], x - belief[-1][0])
+        check_numbers((x, y))
+        belief = self._shown.belief
+        if belief is None:
+            raise ValueError('no odometry has come yet')
+        yaw = math.atan2(y - belief.y, x - belief.x)
         goal = PoseStamped()
-        goal.header.frame_id = self._belief_frame
+        goal.header.frame_id = self._shown.frame_id
         set_stamp(goal.header.stamp, self.now_ns())
         goal.pose.position.x, goal.pose.position.y = x, y
         goal.pose.orientation.z, goal.pose.orientation.w = math.sin(yaw / 2), math.cos(yaw / 2)
         self._goals.publish(goal)
-        self._frame['goal'] = [x, y]
+        self._shown.show('goal', [x, y])
 
     def _do_set(self, _: int, value: Any) -> None:
         name, number = value
@@ -269,8 +206,7 @@ class WebView(DiffDriveNode[Config]):
 
     def _do_joined(self, viewer: int, value: Any) -> None:
         self._page.send({'fresh': True})
-        for trail in self._trails:
-            trail._sent = 0
+        self._shown.again()
         self._show_noise()
 
     def _do_left(self, viewer: int, value: Any) -> None:
@@ -284,7 +220,7 @@ class WebView(DiffDriveNode[Config]):
         self._trigger('resume')
 
     def _do_reset(self, viewer: int, value: Any) -> None:
-        self._forget_trails()
+        self._shown.begin_anew()
         self._page.send({'fresh': True, 'goal': None})
         self._trigger('reset')
 

@@ -109,9 +109,9 @@ class WebPage:
         self.actions: Deque[Action] = deque()
         self._sliders, self._setup = sliders, setup
         self._sockets: Set[WebSocket] = set()
+        self._busy: Set[WebSocket] = set()
         self._numbers = count(1)
         self._model = _model_of(sliders)
-        self._history = ''
         self._listening = socket.create_server((host, port), reuse_port=False)
         self.port = self._listening.getsockname()[1]
         api = FastAPI()
@@ -119,8 +119,9 @@ class WebPage:
         api.add_middleware(SameOrigin)
         ui.page('/', title=title)(self._page)
         ui.run_with(api, dark=None, reconnect_timeout=3.0, show_welcome_message=False)
-        self._server = uvicorn.Server(uvicorn.Config(api, log_level='warning', ws_ping_interval=2.0,
-                                                     ws_ping_timeout=2.0))
+        self._server = uvicorn.Server(uvicorn.Config(
+            api, log_level='critical', ws_ping_interval=2.0, ws_ping_timeout=2.0,
+            timeout_graceful_shutdown=1))
         self._started = threading.Event()
         self._loop: Any = None
         self._thread = threading.Thread(target=self._run, name='web_page', daemon=True)
@@ -134,11 +135,7 @@ class WebPage:
 
     def send(self, frame: Mapping[str, Any]) -> None:
         """Send every viewer a frame."""
-        self._call(self._broadcast, json.dumps(frame, separators=(',', ':')))
-
-    def keep(self, frame: Mapping[str, Any]) -> None:
-        """Send this frame to every viewer that comes, before all others."""
-        self._history = json.dumps(frame, separators=(',', ':'))
+        self._call(self._broadcast, json.dumps(frame, separators=(',', ':'), allow_nan=False))
 
     def show(self, values: Mapping[str, float]) -> None:
         """Set sliders of all viewers."""
@@ -146,7 +143,7 @@ class WebPage:
 
     def close(self) -> None:
         """End the server."""
-        self._server.should_exit = self._server.force_exit = True
+        self._server.should_exit = True
         self._thread.join(START_S)
 
     def _call(self, function: Any, *arguments: Any) -> None:
@@ -166,15 +163,22 @@ class WebPage:
             setattr(self._model, name, value)
 
     def _broadcast(self, text: str) -> None:
-        for viewer in self._sockets:
-            self._loop.create_task(_send(viewer, text))
+        for viewer in self._sockets - self._busy:  # one that is slow misses frames
+            self._busy.add(viewer)
+            self._loop.create_task(self._send(viewer, text))
+
+    async def _send(self, viewer: WebSocket, text: str) -> None:
+        try:
+            await viewer.send_text(text)
+        except (RuntimeError, WebSocketDisconnect):  # it has just left
+            pass
+        finally:
+            self._busy.discard(viewer)
 
     async def _serve_viewer(self, viewer: WebSocket) -> None:
         number = next(self._numbers)
         await viewer.accept()
         await viewer.send_text(json.dumps({'viewer': number, **self._setup}))
-        if self._history:
-            await viewer.send_text(self._history)
         self._sockets.add(viewer)
         self.actions.append(Action(number, 'joined'))
         try:
@@ -195,7 +199,8 @@ class WebPage:
             with ui.element('div').classes('dd-map'):
                 ui.html('<canvas id="dd-map"></canvas><div id="dd-state"></div>'
                         '<div id="dd-legend"></div>', sanitize=False)
-                ui.button('Fit', icon='fit_screen').props('id=dd-fit dense size=sm').classes('dd-fit')
+                ui.button('Fit', icon='fit_screen').props(
+                    'id=dd-fit dense size=sm').classes('dd-fit')
             with ui.element('div').classes('dd-panel'):
                 self._driving()
                 self._noise()
@@ -236,10 +241,3 @@ def _model_of(sliders: Sequence[Slider]) -> Any:
     for slider in sliders:
         setattr(model, slider.name, 0.0)
     return model
-
-
-async def _send(viewer: WebSocket, text: str) -> None:
-    try:
-        await viewer.send_text(text)
-    except (RuntimeError, WebSocketDisconnect):  # it has just left
-        pass

@@ -40,6 +40,8 @@ WEB_VIEW = (
     topic('boundary_topic', 'projected_boundary', 'subscribes to: boundary of '
           'forward_projection; empty: off', optional=True),
     *COMMANDS_OUT,
+    topic('autonomous_cmd_vel_topic', '', 'subscribes to: velocity commands that are passed '
+          'on while nobody drives on the page; empty: none', optional=True),
     topic('goal_topic', 'goal_pose', 'publishes: where somebody clicked on the map, PoseStamped'),
     topic('plan_topic', 'path', 'publishes: an empty Path where somebody begins to drive, which '
           'ends what goal_steering does'),
