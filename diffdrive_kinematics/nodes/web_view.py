@@ -20,7 +20,8 @@ import time
 from typing import Any, List, Mapping, Tuple
 
 from diagnostic_msgs.msg import DiagnosticArray
-from diffdrive_kinematics.ros.messages.messages import set_stamp, TwistMessage
+from diffdrive_kinematics.ros.messages.codec import TwistCodec
+from diffdrive_kinematics.ros.messages.messages import set_stamp
 from diffdrive_kinematics.ros.parameters.parameters import ConfigurationError
 from diffdrive_kinematics.ros.parameters.tables import WEB_VIEW
 from diffdrive_kinematics.ros.runtime.diagnostics import RateSample, Status
@@ -64,7 +65,7 @@ class WebView(DiffDriveNode[Config]):
         self._shown = PageFrame(values['wheel_separation'])
         self._helm, self._drove = Helm(SILENCE_S), False
         stamped = values['enable_stamped_cmd_vel']
-        self._message = TwistMessage(values['base_frame_id'] if stamped else None)
+        self._message = TwistCodec(values['base_frame_id'] if stamped else None)
         self._commands = self.publisher(
             TwistStamped if stamped else Twist, values['cmd_vel_topic'])
         if values['autonomous_cmd_vel_topic']:
