@@ -30,7 +30,8 @@ EXECUTABLES = {'calibrate', 'command_sequence', 'diff_drive_controller', 'diffdr
                'forward_projection', 'goal_steering', 'plot_paths', 'robot_description',
                'simulated_base', 'web_view', 'wheel_noise', 'wheel_odometry'}
 ROSDEP_KEY = {'numpy': 'python3-numpy', 'yaml': 'python3-yaml'}
-OPTIONAL = {'matplotlib', 'nicegui', 'fastapi', 'uvicorn'}  # extras of setup.py
+OPTIONAL = {  # extras of setup.py, or of ROS
+    'fastapi', 'matplotlib', 'nicegui', 'rosbag2_py', 'rosbags', 'uvicorn'}
 
 
 @pytest.fixture
@@ -160,6 +161,11 @@ def test_nicegui_is_imported_only_by_the_page():
         assert file.name == 'web_page.py' or not names & {'nicegui', 'fastapi', 'uvicorn'}
         if 'web_page' in file.read_text(encoding='utf-8') and file.name != 'web_page.py':
             assert file.name == 'web_view.py'
+
+
+def test_what_reads_bags_is_imported_only_where_it_may_be_missing(declared):
+    assert not {'rosbags', 'rosbag2_py'} & imported_by_the_package(lazy=False)
+    assert declared['extras_require']['bags'] == ['rosbags']
 
 
 @pytest.mark.parametrize('source, at_load, ever', [
