@@ -37,6 +37,7 @@ from rclpy.publisher import Publisher
 from std_srvs.srv import Trigger
 
 LOOPBACK = ('127.0.0.1', 'localhost', '::1')
+ANSWER_S = 1.0  # after which a service is asked again
 SILENCE_S = 0.3  # of a viewer who drives, after which the robot stands
 NOISE = (  # what is set in the noise node: label, range, step
     ('left_bias', 'left bias', -0.05, 0.05, 0.001),
@@ -84,6 +85,7 @@ class WebView(DiffDriveNode[Config]):
                        self.create_client(SetParameters, f'{noise}/set_parameters')
                        ) if noise else None
         self._heard: List[Any] = []
+        self._noise_is_shown, self._noise_asked_s = False, -ANSWER_S
         self._page = self._served(values)
         self.steadily(values['frame_rate'], self._tick)
 
@@ -150,6 +152,8 @@ class WebView(DiffDriveNode[Config]):
         if bool(page.viewers) != bool(self._heard):
             self._listen() if page.viewers else self._ignore()
         if page.viewers:
+            if not self._noise_is_shown and time.monotonic() > self._noise_asked_s + ANSWER_S:
+                self._show_noise()  # again, as an answer may be lost while DDS finds its ends
             self.sent += 1
             self._shown.show('driver', self._helm.viewer)
             page.send(self._shown.taken())
@@ -197,18 +201,20 @@ class WebView(DiffDriveNode[Config]):
     def _show_noise(self, _: Any = None) -> None:
         """Ask the noise node what it is set to, and set the sliders of all viewers."""
         def show(future: Any) -> None:
+            self._noise_is_shown = True
             numbers = [value.double_value for value in future.result().values]
             if len(numbers) == len(names):
                 self._page.show(dict(zip(names, numbers)))
 
         names = [each[0] for each in NOISE]
-        if self._noise:
+        if self._noise and self._noise[0].service_is_ready():
+            self._noise_asked_s = time.monotonic()
             self._noise[0].call_async(GetParameters.Request(names=names)).add_done_callback(show)
 
     def _do_joined(self, viewer: int, value: Any) -> None:
         self._page.send({'fresh': True})
         self._shown.again()
-        self._show_noise()
+        self._noise_is_shown = False
 
     def _do_left(self, viewer: int, value: Any) -> None:
         self._helm = self._helm.left(viewer)

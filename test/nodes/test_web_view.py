@@ -157,6 +157,7 @@ def test_the_emergency_stop_stands_until_it_is_released(robot, browser):
 def test_a_slider_sets_the_noise_and_all_viewers_see_it(robot, browser):
     first, second = look(robot, browser), look(robot, browser)
     knob = first.locator('#dd-left_bias [tabindex="0"]')
+    robot.wait(lambda: first.get_by_text('0.01', exact=True).count(), 'the value of the node')
     knob.focus()
     before = robot.noise('left_bias')
     assert before == pytest.approx(0.01)
