@@ -387,6 +387,53 @@ class Drive(NamedTuple):
             return self
         return self._replace(deadline_ns=time_ns)
 
+    def exceeds_target(self) -> bool:
+        """
+        Return whether a speed or yaw rate is more than what is asked for, or of another sign.
+
+        Returns
+        -------
+        bool
+            Whether the robot is faster than asked, as where a ramp brakes it.
+
+        Examples
+        --------
+        >>> settings = DriveSettings(WheelGeometry(0.5, 0.125))
+        >>> Drive(settings, since_ns=0, twist=Twist(0.5, 0.0)).exceeds_target()
+        True
+
+        """
+        return any(abs(now) > abs(asked) or now * asked < 0.0
+                   for now, asked in zip(self.twist, self.target))
+
+    def resumed(self, now_ns: int) -> 'Drive':
+        """
+        Return the drive as if no time had passed since its command ended.
+
+        For a process that was held up: nobody was told of that end, and the next command is here.
+
+        Parameters
+        ----------
+        now_ns : int
+            The time [ns].
+
+        Returns
+        -------
+        Drive
+            The drive at the time, without a deadline.
+
+        Examples
+        --------
+        >>> drive = Drive(DriveSettings(WheelGeometry(0.5, 0.125)), since_ns=0)
+        >>> drive, _ = drive.commanded(Twist(0.5, 0.0), 1_000_000_000)
+        >>> drive.resumed(9_000_000_000).command_at(9_000_000_000).angles
+        (2.0, 2.0)
+
+        """
+        if self.deadline_ns is None:
+            return self
+        return self.clock_stepped(now_ns - self.deadline_ns)._replace(deadline_ns=None)
+
     def halted(self, now_ns: int) -> 'Drive':
         """
         Return the drive with its wheels at rest from ``now_ns`` on, whatever the limits.
