@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Print the parameter reference, docs/parameters.md, from the parameter tables of the nodes."""
+"""Print docs/reference/parameters.md from the parameter tables of the nodes."""
 
 import math
 
@@ -21,7 +21,8 @@ from diffdrive_kinematics.ros.parameters.tables import TABLES
 
 HEAD = """# Parameters
 
-Generated from the parameter tables by `python docs/make_parameters.py > docs/parameters.md`.
+Generated from the parameter tables:
+`python docs/make_parameters.py > docs/reference/parameters.md`.
 
 Names, units and defaults are those of ros2_controllers' `diff_drive_controller` wherever it has
 the same thing. Integers are accepted for numbers. A value that breaks its rule is refused with

@@ -28,8 +28,8 @@ settings.load_profile('ci')
 @pytest.fixture
 def graph():
     """Yield a graph in a domain of its own, and end its processes whatever happens."""
-    from domains import own_domain
-    from graph import Graph
+    from support.domains import own_domain
+    from support.graph import Graph
     with own_domain() as domain:
         graph = Graph(domain)
         try:

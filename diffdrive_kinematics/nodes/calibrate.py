@@ -31,10 +31,11 @@ from diffdrive_kinematics.ros.runtime.node import DiffDriveNode
 from diffdrive_kinematics.ros.runtime.output import exit_status, report
 from diffdrive_kinematics.ros.runtime.rclpy_private import MessageInfo
 from diffdrive_kinematics.ros.runtime.running import run, spin_node, Stop
-from diffdrive_kinematics.tools.calibration import Calibration, of_segments, of_squares, table
-from diffdrive_kinematics.tools.calibration_file import check_writable, params_text, write
+from diffdrive_kinematics.tools.calibration import Calibration, of_drives, of_squares, table
+from diffdrive_kinematics.tools.calibration_file import params_text
 from diffdrive_kinematics.tools.calibration_sources import (
-    Collection, motion_of, read_segments, read_square_runs)
+    Collection, motion_of, read_drives, read_square_runs)
+from diffdrive_kinematics.tools.output_files import check_writable, write_files
 from geometry_msgs.msg import PoseStamped
 from nav_msgs.msg import Odometry
 from rclpy.clock import Clock
@@ -124,8 +125,8 @@ class Calibrate(DiffDriveNode[Config]):
             return response
         self.get_logger().info(f'calibrating {self.collection.summary(geometry)}')
         try:
-            calibration = of_segments(
-                values, geometry, self.collection.segments(), clock=values['clock'] or 'none')
+            calibration = of_drives(
+                values, geometry, self.collection.drives(), clock=values['clock'] or 'none')
             self.written = response.message = conclude(calibration, values)
         except (ValueError, ConfigurationError) as error:
             response.success, response.message = False, f'{error}; still collecting'
@@ -149,10 +150,10 @@ def from_files(config: Config) -> Calibration:
             return of_squares(values, geometry, *runs)
         except ValueError as error:
             raise ValueError(f"{values['square_runs']}: {error}") from error
-    segments = read_segments(values, geometry)
+    drives = read_drives(values, geometry)
     commands = any(motion_of(path) == 'commands' for path in values['recordings'])
-    return of_segments(
-        values, geometry, segments, commands=commands,
+    return of_drives(
+        values, geometry, drives, commands=commands,
         clock=values['clock'] or ('delay' if commands else 'offsets'))
 
 
@@ -163,7 +164,7 @@ def conclude(calibration: Calibration, values: Mapping[str, Any]) -> str:
     if picture:
         files[picture] = _picture(calibration, picture)
     report(table(calibration))
-    written = f"wrote {', '.join(write(files, overwrite=values['overwrite']))}"
+    written = f"wrote {', '.join(write_files(files, overwrite=values['overwrite']))}"
     report(written)
     return written
 

@@ -187,7 +187,7 @@ class DiffDriveController(DiffDriveNode[Config]):
 
         Ramps cannot go on then: what asks for more is held back, what asks for less is not met.
         """
-        if self._drive.exceeds_target() and self.time.clock_stands():
+        if self._drive.twist.exceeds(self._drive.target) and self.time.clock_stands():
             self._halt()
 
     def _on_stop(self) -> None:

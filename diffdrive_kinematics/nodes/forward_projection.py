@@ -148,7 +148,7 @@ class ForwardProjection(DiffDriveNode[Config]):
 
     def _commands(self, now_ns: int) -> List[Command]:
         """Return the twist of the wheels, held for the horizon, stage by stage."""
-        v, w = self._wheels.at(now_ns).twist
+        v, w = self._wheels.predict(now_ns).twist
         stages = self.config.values['stages']
         return [Command(v, w, self.config.values['horizon'] / stages)] * stages
 

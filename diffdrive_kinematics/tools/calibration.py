@@ -19,12 +19,12 @@ import math
 from typing import Any, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
 from diffdrive_kinematics.core.calibration import (
-    Clock, COMMANDED, corrected, fit_segment_slip, fit_trajectory, RecordedDrive, ReturnError,
+    Clock, COMMANDED, corrected, fit_drive_slip, fit_trajectory, RecordedDrive, ReturnError,
     slip_from_squares, TrajectoryFit, umbmark, Windows)
 from diffdrive_kinematics.core.kinematics import WheelGeometry
 
 __all__ = [
-    'CLOCKS', 'Calibration', 'Gain', 'MULTIPLIERS', 'Row', 'of_segments', 'of_squares', 'table']
+    'CLOCKS', 'Calibration', 'Gain', 'MULTIPLIERS', 'Row', 'of_drives', 'of_squares', 'table']
 
 CLOCKS = {'none': Clock.NONE, 'delay': Clock.DELAY, 'offsets': Clock.OFFSETS,
           'drifts': Clock.DRIFTS}
@@ -89,16 +89,16 @@ def of_squares(
               1e3 * result.error_after),), (remark,), (result, clockwise, counterclockwise))
 
 
-def of_segments(
-        values: Mapping[str, Any], geometry: WheelGeometry, segments: Sequence[RecordedDrive], *,
+def of_drives(
+        values: Mapping[str, Any], geometry: WheelGeometry, drives: Sequence[RecordedDrive], *,
         clock: str, commands: bool = False) -> Calibration:
     """Return the calibration by trajectory fit; ``ValueError`` where the drives allow none."""
     keep = values['mean_radius'] == 'keep' or commands and not values['mean_radius']
     fit = fit_trajectory(
-        geometry, segments, clock=CLOCKS[clock], mean_radius=not keep,
+        geometry, drives, clock=CLOCKS[clock], mean_radius=not keep,
         windows=COMMANDED if commands else Windows())
     after = fit.corrected(geometry)
-    slip = fit_segment_slip(geometry, segments, fit, equal=values['equal_slip'])
+    slip = fit_drive_slip(geometry, drives, fit, equal=values['equal_slip'])
     errors = [getattr(geometry, name) * getattr(fit, name).error for name in MULTIPLIERS]
     rows = [
         *_multipliers(after, errors), Row('reference x on the robot [m]', *fit.frame_x),
@@ -118,15 +118,15 @@ def of_segments(
              1e3 * fit.after.heading))
     return Calibration(
         'trajectory fit', after, (slip.k_left.value, slip.k_right.value), tuple(rows), gains,
-        tuple(_remarks(fit, segments)), (fit, geometry, segments))
+        tuple(_remarks(fit, drives)), (fit, geometry, drives))
 
 
-def _remarks(fit: TrajectoryFit, segments: Sequence[RecordedDrive]) -> List[str]:
-    seconds = sum(float(segment.time[-1] - segment.time[0]) for segment in segments)
+def _remarks(fit: TrajectoryFit, drives: Sequence[RecordedDrive]) -> List[str]:
+    seconds = sum(float(drive.time[-1] - drive.time[0]) for drive in drives)
     remarks = [
-        f'{len(segments)} drives, {seconds:.1f} s, {fit.windows} windows, {fit.in_gaps} left out '
+        f'{len(drives)} drives, {seconds:.1f} s, {fit.windows} windows, {fit.in_gaps} left out '
         f'for gaps of the reference, {fit.outliers} outliers']
-    duplicates = sum(segment.duplicates for segment in segments)
+    duplicates = sum(drive.duplicates for drive in drives)
     if duplicates:
         remarks.append(f'{duplicates} rows were replaced by a later row with the same stamp')
     return remarks

@@ -79,19 +79,19 @@ def _draw_returns(
 
 def _draw_windows(
         figure: Any, fit: TrajectoryFit, geometry: WheelGeometry,
-        segments: Sequence[RecordedDrive]) -> None:
+        drives: Sequence[RecordedDrive]) -> None:
     """Draw the errors of windows over time, drives one after the other."""
     position, heading = figure.subplots(2, 1, sharex=True)
     start, ends = 0.0, []
-    for number, segment in enumerate(segments):
-        length = min(WINDOW_S, 0.5 * float(segment.time[-1] - segment.time[0]))
-        for colour, when, errors in _errors(fit, geometry, segment, number, length):
+    for number, drive in enumerate(drives):
+        length = min(WINDOW_S, 0.5 * float(drive.time[-1] - drive.time[0]))
+        for colour, when, errors in _errors(fit, geometry, drive, number, length):
             times, values = errors
             label = None if number else when
             position.plot(start + times, 1e3 * np.hypot(*values[:, :2].T), '.', ms=4,
                           color=colour, label=label)
             heading.plot(start + times, 1e3 * values[:, 2], '.', ms=4, color=colour, label=label)
-        start += float(segment.time[-1] - segment.time[0])
+        start += float(drive.time[-1] - drive.time[0])
         ends.append(start)
     for axes, label in ((position, 'distance [mm]'), (heading, 'heading [mrad]')):
         axes.set_ylabel(label)
@@ -105,14 +105,14 @@ def _draw_windows(
 
 
 def _errors(
-        fit: TrajectoryFit, geometry: WheelGeometry, segment: RecordedDrive, number: int,
+        fit: TrajectoryFit, geometry: WheelGeometry, drive: RecordedDrive, number: int,
         length: float
 ) -> List[Tuple[str, str, Tuple[Any, Any]]]:
     """Return colour, label, and (times [s], errors, shape (w, 3)) before and after."""
-    windows = windows_between(segment, (length,), EVERY_S, TOLERANCE_S)
-    times = segment.reference_time[windows.end] - segment.reference_time[0]
+    windows = windows_between(drive, (length,), EVERY_S, TOLERANCE_S)
+    times = drive.reference_time[windows.end] - drive.reference_time[0]
     after = fit.systematic(number)
     before = after._replace(left=1.0, right=1.0, separation=1.0)
-    return [(colour, when, (times, linearised(geometry, segment, windows, systematic).error))
+    return [(colour, when, (times, linearised(geometry, drive, windows, systematic).error))
             for colour, when, systematic in (
                 (BEFORE, 'wheels as given', before), (AFTER, 'corrected', after))]

@@ -19,8 +19,8 @@ from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tup
 
 from builtin_interfaces.msg import Time
 from diffdrive_kinematics.core.calibration import (
-    RecordedDrive, ReturnError, segment_from_commands, segment_from_positions,
-    segment_from_rates, segment_from_ticks)
+    drive_from_commands, drive_from_positions, drive_from_rates, drive_from_ticks,
+    RecordedDrive, ReturnError)
 from diffdrive_kinematics.core.kinematics import WheelGeometry
 from diffdrive_kinematics.core.odometry import WheelSample
 from diffdrive_kinematics.ros.messages.messages import nanoseconds, pose_in_plane
@@ -28,7 +28,7 @@ from diffdrive_kinematics.tools.recordings import COMMAND_COLUMNS, read_columns,
 from geometry_msgs.msg import Pose
 import numpy as np
 
-__all__ = ['Collection', 'MOTIONS', 'motion_of', 'read_segments', 'read_square_runs']
+__all__ = ['Collection', 'MOTIONS', 'motion_of', 'read_drives', 'read_square_runs']
 
 REFERENCE_COLUMNS = ('time_sec', 'x', 'y', 'yaw')
 NEW_RUN_NS = 1_000_000_000
@@ -65,7 +65,7 @@ def read_square_runs(path: str) -> Tuple[List[ReturnError], List[ReturnError]]:
     return found
 
 
-def read_segments(values: Mapping[str, Any], geometry: WheelGeometry) -> List[RecordedDrive]:
+def read_drives(values: Mapping[str, Any], geometry: WheelGeometry) -> List[RecordedDrive]:
     """
     Return a segment for each recording, with its reference.
 
@@ -94,11 +94,11 @@ def _read_segment(
     series = rows[:, 0], rows[:, 1:], poses[:, 0], poses[:, 1:]
     try:
         if kind == 'commands':
-            return segment_from_commands(*series, geometry=geometry)
+            return drive_from_commands(*series, geometry=geometry)
         if kind == 'wheel_rates':
-            return segment_from_rates(*series)
+            return drive_from_rates(*series)
         if kind == 'wheel_positions':
-            return segment_from_positions(*series)
+            return drive_from_positions(*series)
         return _segment_from_ticks(series, values)
     except ValueError as error:
         files = motion if motion == reference else f'{motion} with {reference}'
@@ -125,7 +125,7 @@ def _segment_from_ticks(
     time, ticks, *reference = series
     if not values['tick_increments']:
         ticks = np.diff(ticks, axis=0, prepend=ticks[:1])
-    return segment_from_ticks(
+    return drive_from_ticks(
         time, ticks, *reference, ticks_per_turn=values['encoder_resolution'])
 
 
@@ -199,7 +199,7 @@ class Collection:
         poses = sum(seen.values()) if seen else len(self._reference)
         text = f'{wheels} samples of the wheels, {poses} of the reference'
         try:
-            segments = self.segments()
+            segments = self.drives()
         except ValueError:
             return text
         seconds = sum(segment.time[-1] - segment.time[0] for segment in segments)
@@ -211,7 +211,7 @@ class Collection:
         return (f'{text}: {seconds:.1f} s, {distance:.2f} m, {math.degrees(turned):.0f} deg '
                 f'turned{late}')
 
-    def segments(self) -> List[RecordedDrive]:
+    def drives(self) -> List[RecordedDrive]:
         """
         Return a segment for each run of the wheels' publisher.
 
@@ -249,6 +249,6 @@ def _segment(drive: _Drive) -> Optional[RecordedDrive]:
     if len(np.unique(series[0])) < 2 or len(np.unique(series[1])) < 2:
         return None
     if with_positions:
-        return segment_from_positions(
+        return drive_from_positions(
             time, [sample.positions for sample in chosen], *series[1:])
-    return segment_from_rates(time, [sample.rates for sample in chosen], *series[1:])
+    return drive_from_rates(time, [sample.rates for sample in chosen], *series[1:])

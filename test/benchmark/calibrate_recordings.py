@@ -18,7 +18,7 @@ Calibration of real robots: fitted to one recording, applied to others.
 
 Run by hand: ``python test/benchmark/calibrate_recordings.py DIRECTORY``.  The directory holds, at
 any depth, the files that the docstring of fit_slip.py names.  What is printed is explained in
-docs/calibration_on_real_robots.md.  It takes about a minute.
+docs/explanation/calibration_on_real_robots.md.  It takes about a minute.
 """
 
 import math
@@ -28,14 +28,14 @@ import sys
 import numpy as np
 
 TEST = Path(__file__).resolve().parents[1]
-sys.path[:0] = [str(TEST.parent), str(TEST / 'support')]
+sys.path[:0] = [str(TEST.parent), str(TEST)]
 
 from diffdrive_kinematics.core.calibration import (  # noqa: E402, I100
-    CalibrationParameters, Clock, COMMANDED, corrected, fit_segment_slip, fit_trajectory,
-    linearised, NO_FRAME, ReturnError, segment_from_commands, umbmark, windows_between)
+    CalibrationParameters, Clock, COMMANDED, corrected, drive_from_commands, fit_drive_slip,
+    fit_trajectory, linearised, NO_FRAME, ReturnError, umbmark, windows_between)
 from diffdrive_kinematics.core.kinematics import WheelGeometry  # noqa: E402, I100
-from end_points import encoder_segment, predicted_end  # noqa: E402
-from recorded import RADIUS, SEPARATION  # noqa: E402
+from support.end_points import encoder_drive, predicted_end  # noqa: E402
+from support.recorded import RADIUS, SEPARATION  # noqa: E402
 
 SESSIONS = {'1.7 m squares': 'square_231220200029', '0.75 m squares': 'square_230620202042',
             'circles': 'circular_231220200121', 'free paths': 'free_030120210006'}
@@ -50,20 +50,20 @@ def columns(path, *names):
     return np.stack([rows[name] for name in names], axis=1)
 
 
-def end_error(geometry, frame, segments):
+def end_error(geometry, frame, drives):
     """Return the mean end-point error [mm]."""
-    return 1e3 * np.mean([math.dist(*predicted_end(geometry, frame, each)) for each in segments])
+    return 1e3 * np.mean([math.dist(*predicted_end(geometry, frame, each)) for each in drives])
 
 
-def umbmark_of(segments):
+def umbmark_of(drives):
     """Return the geometry that UMBmark gives for runs of a square."""
     ways = {-1.0: [], 1.0: []}
-    for segment in segments:
-        theta = segment.reference[0, 2]
-        there, end = predicted_end(ENCODERS, NO_FRAME, segment)
+    for recorded in drives:
+        theta = recorded.reference[0, 2]
+        there, end = predicted_end(ENCODERS, NO_FRAME, recorded)
         c, s = math.cos(theta), math.sin(theta)
         error = np.array([[c, s], [-s, c]]) @ (end - there)
-        ways[float(np.sign(segment.reference[-1, 2]))].append(ReturnError(*error.tolist()))
+        ways[float(np.sign(recorded.reference[-1, 2]))].append(ReturnError(*error.tolist()))
     return corrected(ENCODERS, umbmark(ENCODERS, SIDE, ways[-1.0], ways[1.0]))
 
 
@@ -78,7 +78,7 @@ def described(fit):
 
 def encoders(directory):
     """Print end-point errors of each session, by what was fitted to what."""
-    found = {name: [encoder_segment(path) for path in sorted(directory.rglob(f'{prefix}_run*'))]
+    found = {name: [encoder_drive(path) for path in sorted(directory.rglob(f'{prefix}_run*'))]
              for name, prefix in SESSIONS.items()}
     names = list(found)
     print('OptiOdom, mean end-point error [mm] on:', ', '.join(names))
@@ -92,10 +92,10 @@ def encoders(directory):
         row('UMBmark on 1.7 m squares', umbmark_of(found[names[0]]))
     except ValueError as error:
         print('  UMBmark:', error)
-    for name, segments in found.items():
+    for name, drives in found.items():
         for clock in (Clock.OFFSETS, Clock.DRIFTS):
             try:
-                fit = fit_trajectory(ENCODERS, segments, clock=clock)
+                fit = fit_trajectory(ENCODERS, drives, clock=clock)
             except ValueError as error:
                 print(f'  fitted to {name}, {clock.name}: {error}')
                 continue
@@ -106,35 +106,35 @@ def encoders(directory):
             print(f'     before {fit.before}, after {fit.after}; {fit.windows} windows, '
                   f'{fit.in_gaps} in gaps, {fit.outliers} outliers')
             if name == names[0]:
-                print('     left out one by one:', jackknifed(segments, clock))
-                slip = fit_segment_slip(ENCODERS, segments, fit)
+                print('     left out one by one:', jackknifed(drives, clock))
+                slip = fit_drive_slip(ENCODERS, drives, fit)
                 print(f'     slip k {slip.k_left.value:.2e} +- {slip.k_left.error:.1e} m')
 
 
-def jackknifed(segments, clock):
+def jackknifed(drives, clock):
     """Return standard errors of the wheels and the frame by leaving runs out, in words."""
-    parts = [fit_trajectory(ENCODERS, segments[:n] + segments[n + 1:], clock=clock)
-             for n in range(len(segments))]
+    parts = [fit_trajectory(ENCODERS, drives[:n] + drives[n + 1:], clock=clock)
+             for n in range(len(drives))]
     values = [[part.left_wheel_radius_multiplier.value, part.right_wheel_radius_multiplier.value,
                part.wheel_separation_multiplier.value, *(1e3 * np.array(part.frame))]
               for part in parts]
     return ', '.join(f'{each:.2g}' for each in math.sqrt(len(parts) - 1.0) * np.std(values, 0))
 
 
-def window_errors(segment, systematic):
+def window_errors(recorded, systematic):
     """Return median errors over 10 s: distance [mm] and yaw [mrad]."""
-    error = linearised(CREATE, segment, windows_between(segment, (10.0,), 2.5, 0.1),
+    error = linearised(CREATE, recorded, windows_between(recorded, (10.0,), 2.5, 0.1),
                        systematic).error
     return 1e3 * np.array([np.median(np.hypot(error[:, 0], error[:, 1])),
                            np.median(np.abs(error[:, 2]))])
 
 
 def commanded_halves(path):
-    """Return the segment of a file with commands, and its first and second half."""
+    """Return the drive of a file with commands, and its first and second half."""
     truth = path.with_name(path.name.replace('commands', 'truth'))
     time, *rest = columns(path, 'time_sec', 'linear_x', 'angular_z').T
     seen, *pose = columns(truth, 'time_sec', 'x', 'y', 'yaw').T
-    whole = segment_from_commands(
+    whole = drive_from_commands(
         time, np.stack(rest, axis=1), seen, np.stack(pose, axis=1), geometry=CREATE)
     middle = 0.5 * (whole.time[0] + whole.time[-1])
     return whole, whole.between(-math.inf, middle), whole.between(middle, math.inf)

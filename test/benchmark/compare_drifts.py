@@ -17,7 +17,7 @@ Compare the drift of robots simulated with fitted bias and slip with that of the
 
 Run by hand: ``python test/benchmark/compare_drifts.py DIRECTORY``.  The directory holds, at any
 depth, the files that the docstring of fit_slip.py names.  What is printed is explained in
-docs/calibration_on_real_robots.md.
+docs/explanation/calibration_on_real_robots.md.
 
 Drift is where the robot is after 10 s minus where nominal odometry says it is, in the frame of
 the start.  The real robot has one drift a window, the simulated one 200, from the same wheel
@@ -32,36 +32,36 @@ import sys
 import numpy as np
 
 TEST = Path(__file__).resolve().parents[1]
-sys.path[:0] = [str(TEST.parent), str(TEST / 'support'), str(TEST / 'benchmark')]
+sys.path[:0] = [str(TEST.parent), str(TEST), str(TEST / 'benchmark')]
 
 from calibrate_recordings import (  # noqa: E402, I100
     commanded_halves, CREATE, ENCODERS, SESSIONS)
-from diffdrive_kinematics.core.calibration.segment_slip import fit_segment_slip  # noqa: E402
+from diffdrive_kinematics.core.calibration.drive_slip import fit_drive_slip  # noqa: E402
 from diffdrive_kinematics.core.calibration.trajectory_fit import (  # noqa: E402
     Clock, COMMANDED, fit_trajectory)
 from diffdrive_kinematics.core.calibration.trajectory_windows import (  # noqa: E402
     CalibrationParameters, linearised, windows_between)
 from diffdrive_kinematics.core.kinematics.angles import wrap_angle  # noqa: E402
-from end_points import encoder_segment  # noqa: E402
+from support.end_points import encoder_drive  # noqa: E402
 
 WINDOW_S, SEEDS = 10.0, 200
 AXES = ('along [mm]', 'across [mm]', 'yaw [mrad]')
 
 
-def real_drifts(geometry, segment, systematic):
+def real_drifts(geometry, recorded, systematic):
     """Return the drifts of disjoint windows, shape (w, 3), and the wheel travel of each."""
-    windows = windows_between(segment, (WINDOW_S,), WINDOW_S + 0.1, 0.1)
+    windows = windows_between(recorded, (WINDOW_S,), WINDOW_S + 0.1, 0.1)
     frame_only = CalibrationParameters()._replace(
         x=systematic.x, y=systematic.y, yaw=systematic.yaw, offset=systematic.offset,
         drift=systematic.drift)
-    error = linearised(geometry, segment, windows, frame_only).error
-    stamps = segment.reference_time - systematic.offset
+    error = linearised(geometry, recorded, windows, frame_only).error
+    stamps = recorded.reference_time - systematic.offset
     travels = []
     for start, end in zip(windows.start, windows.end):
-        inner = segment.time[(segment.time > stamps[start]) & (segment.time < stamps[end])]
+        inner = recorded.time[(recorded.time > stamps[start]) & (recorded.time < stamps[end])]
         times = np.concatenate([[stamps[start]], inner, [stamps[end]]])
-        angles = np.stack([np.interp(times, segment.time, column)
-                           for column in segment.angles.T], axis=1)
+        angles = np.stack([np.interp(times, recorded.time, column)
+                           for column in recorded.angles.T], axis=1)
         travels.append(np.diff(angles, axis=0) * geometry.wheel_radius)
     return error, travels
 
@@ -103,12 +103,12 @@ def kolmogorov_smirnov(first, second):
         (-1)**(n - 1) * math.exp(-2.0 * (n * t)**2) for n in range(1, 60))))
 
 
-def compared(name, geometry, segments, fit, systematics, slip):
-    """Print real and simulated drifts of segments."""
+def compared(name, geometry, drives, fit, systematics, slip):
+    """Print real and simulated drifts of drives."""
     generator = np.random.default_rng(1)
     real, simulated = [], []
-    for segment, systematic in zip(segments, systematics):
-        drifts, travels = real_drifts(geometry, segment, systematic)
+    for recorded, systematic in zip(drives, systematics):
+        drifts, travels = real_drifts(geometry, recorded, systematic)
         real.append(drifts)
         simulated += [simulated_drifts(geometry, travel, fit, slip, generator)
                       for travel in travels]
@@ -124,17 +124,17 @@ def compared(name, geometry, segments, fit, systematics, slip):
 
 def encoders(directory):
     """Compare the robot with encoders: fitted to the 1.7 m squares, other sessions simulated."""
-    found = {name: [encoder_segment(path) for path in sorted(directory.rglob(f'{prefix}_run*'))]
+    found = {name: [encoder_drive(path) for path in sorted(directory.rglob(f'{prefix}_run*'))]
              for name, prefix in SESSIONS.items()}
     training = next(iter(found.values()))
     fit = fit_trajectory(ENCODERS, training)
-    slip = fit_segment_slip(ENCODERS, training, fit)
+    slip = fit_drive_slip(ENCODERS, training, fit)
     print(f'| slip k {slip.k_left.value:.2e} m |')
-    for name, segments in found.items():
-        own = fit if segments is training else fit_trajectory(
-            fit.corrected(ENCODERS), segments, wheels=False)
-        compared(name, ENCODERS, segments, fit,
-                 [own.systematic(n) for n in range(len(segments))], slip)
+    for name, drives in found.items():
+        own = fit if drives is training else fit_trajectory(
+            fit.corrected(ENCODERS), drives, wheels=False)
+        compared(name, ENCODERS, drives, fit,
+                 [own.systematic(n) for n in range(len(drives))], slip)
 
 
 def commands(directory):
@@ -143,7 +143,7 @@ def commands(directory):
         _, first, second = commanded_halves(path)
         fit = fit_trajectory(CREATE, [first], clock=Clock.DELAY, windows=COMMANDED,
                              mean_radius=False)
-        slip = fit_segment_slip(CREATE, [first], fit)
+        slip = fit_drive_slip(CREATE, [first], fit)
         print(f'| slip k {slip.k_left.value:.2e} m |')
         compared(path.name[8:14], CREATE, [second], fit, [fit.systematic(0)], slip)
 

@@ -25,7 +25,7 @@ files in the format of test/data (columns and units: test/data/README.md), of wh
   ``mrclam7_robotN_truth.csv.gz`` (``time_sec,x,y,yaw``) are dataset 7 of UTIAS MRCLAM: the first
   half of each robot predicts its second.  Left out where the files are not there.
 
-What is printed is explained in docs/slip_on_real_robots.md.  It takes some minutes.
+What is printed is explained in docs/explanation/slip_on_real_robots.md.  It takes some minutes.
 """
 
 from itertools import chain
@@ -35,11 +35,11 @@ import sys
 import numpy as np
 
 TEST = Path(__file__).resolve().parents[1]
-sys.path[:0] = [str(TEST.parent), str(TEST / 'support')]
+sys.path[:0] = [str(TEST.parent), str(TEST)]
 
 from diffdrive_kinematics.core.calibration.slip_fit import (  # noqa: E402, I100
     fit_reference_noise, fit_slip, nees_per_dof)
-from systematic import (  # noqa: E402
+from support.systematic import (  # noqa: E402
     CalibrationParameters, CLOCK, encoder_recording, fitted, FRAME, NOMINAL, Recording, WHEELS,
     windows_of)
 

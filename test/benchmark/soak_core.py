@@ -30,9 +30,9 @@ from pathlib import Path
 import sys
 import time
 
-sys.path.insert(0, str(Path(__file__).parents[1] / 'support'))
+sys.path.insert(0, str(Path(__file__).parents[1]))
 
-from long_drive import Course, PERIOD_NS  # noqa: E402, I100
+from support.long_drive import Course, PERIOD_NS  # noqa: E402, I100
 
 BOUND_M = 1e-6
 

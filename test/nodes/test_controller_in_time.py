@@ -17,8 +17,6 @@
 from diffdrive_kinematics.nodes.diff_drive_controller import DiffDriveController
 from diffdrive_kinematics.ros.runtime import clocks, runtime
 from diffdrive_kinematics.ros.runtime.clocks import SteadyTimers, SteppedClock
-from domains import own_domain
-from graph import twist, twist_stamped
 import pytest
 import rclpy
 from rclpy.clock_type import ClockType
@@ -27,6 +25,8 @@ from rclpy.serialization import deserialize_message, serialize_message
 from rclpy.time import Time
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Bool
+from support.domains import own_domain
+from support.graph import twist, twist_stamped
 
 S = 10**9
 STEP = S // 100

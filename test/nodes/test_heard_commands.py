@@ -16,10 +16,10 @@
 
 from diffdrive_kinematics.nodes.diff_drive_controller import DiffDriveController
 from diffdrive_kinematics.ros.runtime.diagnostics import RateSample
-from graph import KHEPERA, twist, twist_stamped
-from inside import inside, START_NS
 import pytest
 from std_msgs.msg import Bool
+from support.graph import KHEPERA, twist, twist_stamped
+from support.inside import inside, START_NS
 
 pytestmark = pytest.mark.ros
 S = 10**9

@@ -169,4 +169,4 @@ def test_the_scan_tells_lazy_imports_from_others(source, at_load, ever):
 
 def test_the_parameter_reference_is_what_the_tables_say(capsys):
     runpy.run_path(str(ROOT / 'docs' / 'make_parameters.py'), run_name='__main__')
-    assert capsys.readouterr().out == (ROOT / 'docs' / 'parameters.md').read_text()
+    assert capsys.readouterr().out == (ROOT / 'docs' / 'reference' / 'parameters.md').read_text()

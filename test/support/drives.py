@@ -16,7 +16,7 @@
 
 from typing import NamedTuple
 
-from diffdrive_kinematics.core.calibration import segment_from_positions
+from diffdrive_kinematics.core.calibration import drive_from_positions
 from diffdrive_kinematics.core.kinematics import WheelGeometry
 import numpy as np
 
@@ -67,7 +67,7 @@ def poses_of(travel, separation):
 
 
 def drive(seed, truth=Truth(), disturbance=Disturbance(), seconds=100.0, twists=curved_twists):
-    """Return the segment of a simulated drive."""
+    """Return the drive of a simulated drive."""
     generator = np.random.default_rng(seed)
     time = np.arange(0.0, seconds, WHEEL_PERIOD)
     v, w = twists(time[:-1]).T
@@ -92,4 +92,4 @@ def drive(seed, truth=Truth(), disturbance=Disturbance(), seconds=100.0, twists=
         kept &= (seen < start) | (seen > end)
     reference[:, 2] = np.angle(np.exp(1j * reference[:, 2]))
     angles = np.vstack([np.zeros(2), np.cumsum(rolled, axis=0)])
-    return segment_from_positions(time, angles, seen[kept], reference[kept])
+    return drive_from_positions(time, angles, seen[kept], reference[kept])

@@ -23,11 +23,11 @@ from contextlib import contextmanager
 
 from diffdrive_kinematics.ros.runtime.clocks import SteppedClock
 from diffdrive_kinematics.ros.runtime.in_flight_messages import InFlightMessages
-from domains import own_domain
-from graph import arguments
 import rclpy
 from rclpy.serialization import deserialize_message, serialize_message
 from rclpy.signals import SignalHandlerOptions
+from support.domains import own_domain
+from support.graph import arguments
 
 START_NS = 1000 * 10**9
 

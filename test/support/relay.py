@@ -24,8 +24,8 @@ the arc, whose heading grows evenly, by at most S T / 2.  So the two differ by a
 
 from diffdrive_kinematics.core.kinematics import (
     advance, Pose, pose_change_from_travel, travel_from_angles)
-from graph import stamp_ns
 from sensor_msgs.msg import JointState
+from support.graph import stamp_ns
 
 
 class Relay:

@@ -22,10 +22,10 @@ separation, where the reference's frame sits on the robot, and how the two clock
 from typing import NamedTuple
 
 from diffdrive_kinematics.core.calibration import (
-    Clock, fit_trajectory, segment_from_positions, slip_window)
+    Clock, drive_from_positions, fit_trajectory, slip_window)
 from diffdrive_kinematics.core.kinematics import Pose, WheelGeometry, wrap_angle
 import numpy as np
-from recorded import RADIUS, SEPARATION, TICKS_PER_TURN
+from support.recorded import RADIUS, SEPARATION, TICKS_PER_TURN
 
 FIT_SECONDS, FIT_EVERY_SECONDS = 5.0, 0.5
 POSITION_SIGMA, HEADING_SIGMA = 0.003, 0.008  # their ratio weighs positions against headings
@@ -194,8 +194,8 @@ def transferred(recordings, wheels, session_frame=True):
 def _by_core(recordings, start, wheels, frame):
     """Return what the trajectory fit of the package finds, one for each recording."""
     geometry = WheelGeometry(start.separation, 1.0, 1.0, start.left, start.right)
-    segments = [segment_from_positions(*recording[1:]) for recording in recordings]
-    fit = fit_trajectory(geometry, segments, wheels=wheels, clock=Clock.DRIFTS, frame=frame)
+    drives = [drive_from_positions(*recording[1:]) for recording in recordings]
+    fit = fit_trajectory(geometry, drives, wheels=wheels, clock=Clock.DRIFTS, frame=frame)
     corrected = fit.corrected(geometry)
     return [CalibrationParameters(
         corrected.left_radius, corrected.right_radius, corrected.separation, *fit.frame,

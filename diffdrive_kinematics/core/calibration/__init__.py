@@ -21,11 +21,11 @@ UMBmark, least squares on trajectories, and the likelihood of slip on windows of
 from diffdrive_kinematics.core.calibration.calibration_problem import (
     Column, distances_of, FRAME, newton_step, Problem, refuse_unidentified, SAME_DRIVE, sandwich,
     taken_by_fit, WHEELS)
+from diffdrive_kinematics.core.calibration.drive_slip import fit_drive_slip, slip_windows
 from diffdrive_kinematics.core.calibration.estimate import Estimate
 from diffdrive_kinematics.core.calibration.recording import (
-    RecordedDrive, segment_from_commands, segment_from_positions, segment_from_rates,
-    segment_from_ticks)
-from diffdrive_kinematics.core.calibration.segment_slip import fit_segment_slip, segment_windows
+    drive_from_commands, drive_from_positions, drive_from_rates, drive_from_ticks,
+    RecordedDrive)
 from diffdrive_kinematics.core.calibration.slip_fit import (
     fit_reference_noise, fit_slip, nees_per_dof, NO_NOISE, ReferenceNoise, slip_window, SlipFit,
     SlipWindow)
@@ -47,9 +47,9 @@ __all__ = [
     'RecordedDrive', 'SlipFit', 'SlipWindow', 'SquareAngles', 'CalibrationParameters',
     'TrajectoryFit', 'Umbmark',
     'Variances', 'WHEELS', 'WindowSet', 'Windows', 'angles_of_runs', 'corrected', 'distance',
-    'distances_of', 'fit_reference_noise', 'fit_segment_slip', 'fit_slip', 'fit_trajectory',
+    'distances_of', 'fit_reference_noise', 'fit_drive_slip', 'fit_slip', 'fit_trajectory',
     'linearised', 'nees_per_dof', 'newton_step', 'odometry_at', 'ratios_of_angles',
-    'refuse_unidentified', 'sandwich', 'score_covariance', 'segment_from_commands',
-    'segment_from_positions', 'segment_from_rates', 'segment_from_ticks', 'segment_windows',
+    'refuse_unidentified', 'sandwich', 'score_covariance', 'drive_from_commands',
+    'drive_from_positions', 'drive_from_rates', 'drive_from_ticks', 'slip_windows',
     'slip_from_squares', 'slip_window', 'taken_by_fit', 'umbmark', 'updated_variances',
     'window_covariance', 'window_weights', 'windows_between']

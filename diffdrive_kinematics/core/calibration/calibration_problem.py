@@ -15,8 +15,8 @@
 """
 The least squares problem of a calibration: its parameters, its steps, and what it identifies.
 
-Some parameters are shared by all segments (wheels, frame, a delay), others belong to one (its
-clock), so each segment adds its part to the normal equations of Gauss and Newton.
+Some parameters are shared by all drives (wheels, frame, a delay), others belong to one (its
+clock), so each drive adds its part to the normal equations of Gauss and Newton.
 """
 
 from dataclasses import dataclass, replace
@@ -63,8 +63,8 @@ class Column(NamedTuple):
         What the user calls it.
     field : int
         Index of its field of CalibrationParameters.
-    segment : int or None
-        Index of the segment that it belongs to; None: all of them.
+    drive : int or None
+        Index of the drive that it belongs to; None: all of them.
 
     Examples
     --------
@@ -75,7 +75,7 @@ class Column(NamedTuple):
 
     name: str
     field: int
-    segment: Optional[int]
+    drive: Optional[int]
 
 
 @dataclass(frozen=True)
@@ -87,7 +87,7 @@ class Problem:
     ----------
     geometry : WheelGeometry
         Where the fit starts.
-    segments : tuple of RecordedDrive
+    drives : tuple of RecordedDrive
         The drives.
     windows : tuple of WindowSet
         Windows of each drive, w in all.
@@ -102,11 +102,11 @@ class Problem:
     --------
     The separation alone, of a robot whose wheels are 0.51 m apart instead of 0.5 m:
 
-    >>> from diffdrive_kinematics.core.calibration import segment_from_rates
+    >>> from diffdrive_kinematics.core.calibration import drive_from_rates
     >>> from diffdrive_kinematics.core.calibration import windows_between
     >>> stamps = np.arange(0.0, 60.0, 0.5)
     >>> rates = 8.0 + 4.0 * np.stack([np.sin(stamps), np.cos(0.7 * stamps)], axis=1)
-    >>> bare = segment_from_rates(stamps, rates, stamps, np.zeros((120, 3)))
+    >>> bare = drive_from_rates(stamps, rates, stamps, np.zeros((120, 3)))
     >>> truth = odometry_at(WheelGeometry(0.51, 0.125), bare, CalibrationParameters())
     >>> windows = windows_between(bare, (2.0, 10.0), every=0.5, tolerance=0.1)
     >>> problem = Problem(
@@ -139,7 +139,7 @@ class Problem:
     """
 
     geometry: WheelGeometry
-    segments: Tuple[RecordedDrive, ...]
+    drives: Tuple[RecordedDrive, ...]
     windows: Tuple[WindowSet, ...]
     columns: Tuple[Column, ...]
     start: CalibrationParameters
@@ -147,7 +147,7 @@ class Problem:
 
     def systematics(self, values: Array) -> List[CalibrationParameters]:
         """
-        Return the systematic errors of each segment.
+        Return the systematic errors of each drive.
 
         Parameters
         ----------
@@ -157,7 +157,7 @@ class Problem:
         Returns
         -------
         list of CalibrationParameters
-            One for each segment.
+            One for each drive.
 
         Examples
         --------
@@ -165,15 +165,15 @@ class Problem:
 
         """
         found = []
-        for number in range(len(self.segments)):
+        for number in range(len(self.drives)):
             mine = {FIELDS[each.field]: float(value) for each, value in zip(self.columns, values)
-                    if each.segment in (None, number)}
+                    if each.drive in (None, number)}
             found.append(self.start._replace(**mine))
         return found
 
     def parts(self, values: Array) -> List[WindowResiduals]:
         """
-        Return the linearised windows of each segment.
+        Return the linearised windows of each drive.
 
         Parameters
         ----------
@@ -183,16 +183,16 @@ class Problem:
         Returns
         -------
         list of WindowResiduals
-            One for each segment.
+            One for each drive.
 
         Examples
         --------
         See :class:`Problem`.
 
         """
-        return [linearised(self.geometry, segment, windows, systematic)
-                for segment, windows, systematic in zip(
-                    self.segments, self.windows, self.systematics(values))]
+        return [linearised(self.geometry, drive, windows, systematic)
+                for drive, windows, systematic in zip(
+                    self.drives, self.windows, self.systematics(values))]
 
     def initial(self) -> Array:
         """
@@ -226,19 +226,19 @@ class Problem:
         See :class:`Problem`.
 
         """
-        segments = tuple(
+        drives = tuple(
             replace(each, reference=odometry_at(self.geometry, each, self.start))
-            for each in self.segments)
-        return replace(self, segments=segments, start=CalibrationParameters())
+            for each in self.drives)
+        return replace(self, drives=drives, start=CalibrationParameters())
 
-    def mine(self, segment: int) -> Tuple[List[int], List[int]]:
+    def mine(self, drive: int) -> Tuple[List[int], List[int]]:
         """
-        Return the columns that act on a segment, and their fields.
+        Return the columns that act on a drive, and their fields.
 
         Parameters
         ----------
-        segment : int
-            Index of the segment, from 0.
+        drive : int
+            Index of the drive, from 0.
 
         Returns
         -------
@@ -253,18 +253,18 @@ class Problem:
 
         """
         found = [(n, each.field) for n, each in enumerate(self.columns)
-                 if each.segment in (None, segment)]
+                 if each.drive in (None, drive)]
         return [n for n, _ in found], [field for _, field in found]
 
 
 def distances_of(parts: Sequence[WindowResiduals], variances: Variances) -> Array:
     """
-    Return ``sqrt(e^T P^-1 e)`` of all windows, those of the first segment first.
+    Return ``sqrt(e^T P^-1 e)`` of all windows, those of the first drive first.
 
     Parameters
     ----------
     parts : sequence of WindowResiduals
-        Windows of each segment, w in all.
+        Windows of each drive, w in all.
     variances : Variances
         Slip constant and noise of the reference.
 
@@ -283,7 +283,7 @@ def distances_of(parts: Sequence[WindowResiduals], variances: Variances) -> Arra
 
 
 def _split(problem: Problem, weights: Array) -> List[Array]:
-    """Return the weights of each segment."""
+    """Return the weights of each drive."""
     ends = np.cumsum([len(each.start) for each in problem.windows])
     return np.split(weights, ends[:-1])
 
@@ -291,7 +291,7 @@ def _split(problem: Problem, weights: Array) -> List[Array]:
 def _gains(
         problem: Problem, parts: Sequence[WindowResiduals], weights: Array, variances: Variances
 ) -> List[Gain]:
-    """Return for each segment its columns, J, and the weighted ``J^T P^-1``."""
+    """Return for each drive its columns, J, and the weighted ``J^T P^-1``."""
     found = []
     for number, (part, weight) in enumerate(zip(parts, _split(problem, weights))):
         columns, fields = problem.mine(number)
@@ -321,7 +321,7 @@ def newton_step(
     problem : Problem
         What is fitted to what.
     parts : sequence of WindowResiduals
-        Windows of each segment, at the present values.
+        Windows of each drive, at the present values.
     weights : numpy.ndarray, shape (w,)
         Weights of all windows.
     variances : Variances
@@ -371,7 +371,7 @@ def refuse_unidentified(
     problem : Problem
         What is fitted to what.
     parts : sequence of WindowResiduals
-        Windows of each segment.
+        Windows of each drive.
     variances : Variances
         Slip constant and noise of the reference.
     weights : numpy.ndarray, shape (w,), optional
@@ -419,7 +419,7 @@ def taken_by_fit(problem: Problem, parts: Sequence[WindowResiduals], covariance:
     problem : Problem
         What is fitted to what.
     parts : sequence of WindowResiduals
-        Windows of each segment, w in all.
+        Windows of each drive, w in all.
     covariance : numpy.ndarray, shape (p, p)
         Covariance C of the parameters.
 
@@ -455,7 +455,7 @@ def sandwich(
     problem : Problem
         What is fitted to what.
     parts : sequence of WindowResiduals
-        Windows of each segment, at the present values.
+        Windows of each drive, at the present values.
     weights : numpy.ndarray, shape (w,)
         Weights of all windows.
     variances : Variances
@@ -476,7 +476,7 @@ def sandwich(
     for number, (columns, _, gain) in enumerate(gains):
         score[np.ix_(columns, columns)] += score_covariance(
             parts[number], problem.windows[number], gain, variances,
-            len(problem.segments[number].reference))
+            len(problem.drives[number].reference))
     inverse = _inverse(_information(problem, gains))
     found: Array = inverse @ score @ inverse
     return found

@@ -20,7 +20,7 @@ and may have gaps.  Its yaw may come wrapped; it is unwrapped here once, so samp
 less than half a turn from one to the next are needed.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Tuple
 
 from diffdrive_kinematics.core.kinematics import (
@@ -29,8 +29,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 __all__ = [
-    'RecordedDrive', 'segment_from_commands', 'segment_from_positions', 'segment_from_rates',
-    'segment_from_ticks']
+    'RecordedDrive', 'drive_from_commands', 'drive_from_positions', 'drive_from_rates',
+    'drive_from_ticks']
 
 Array = NDArray[np.float64]
 
@@ -55,7 +55,7 @@ class RecordedDrive:
 
     Examples
     --------
-    >>> drive = segment_from_positions(
+    >>> drive = drive_from_positions(
     ...     time=[0.0, 1.0], positions=[[0.0, 0.0], [8.0, 8.0]],
     ...     reference_time=[0.0, 1.0], reference=[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]])
     >>> drive.angles.shape, drive.reference.shape, drive.duplicates
@@ -71,7 +71,7 @@ class RecordedDrive:
 
     def between(self, start: float, end: float) -> 'RecordedDrive':
         """
-        Return the part of the segment between two times, both included.
+        Return the part of the drive between two times, both included.
 
         Parameters
         ----------
@@ -91,23 +91,23 @@ class RecordedDrive:
         Examples
         --------
         >>> seconds = np.arange(10.0)
-        >>> drive = segment_from_positions(seconds, np.zeros((10, 2)), seconds, np.zeros((10, 3)))
+        >>> drive = drive_from_positions(seconds, np.zeros((10, 2)), seconds, np.zeros((10, 3)))
         >>> drive.between(2.0, 5.0).time
         array([2., 3., 4., 5.])
 
         """
         wheels = (self.time >= start) & (self.time <= end)
         seen = (self.reference_time >= start) & (self.reference_time <= end)
-        return segment_from_positions(
+        return drive_from_positions(
             self.time[wheels], self.angles[wheels], self.reference_time[seen],
             self.reference[seen])
 
 
-def segment_from_positions(
+def drive_from_positions(
         time: ArrayLike, positions: ArrayLike, reference_time: ArrayLike,
         reference: ArrayLike) -> RecordedDrive:
     """
-    Return the segment of wheel positions, as of a joint state.
+    Return the drive of wheel positions, as of a joint state.
 
     Of rows with the same stamp the last one wins.
 
@@ -135,7 +135,7 @@ def segment_from_positions(
 
     Examples
     --------
-    >>> drive = segment_from_positions(
+    >>> drive = drive_from_positions(
     ...     [0.0, 1.0], [[0.0, 0.0], [0.5, 1.0]],
     ...     [0.0, 1.0], [[0.0, 0.0, 3.0], [-0.1, 0.0, -3.0]])
     >>> drive.reference[:, 2].round(3)
@@ -148,11 +148,11 @@ def segment_from_positions(
     return RecordedDrive(stamps, angles, seen, poses, replaced + unseen)
 
 
-def segment_from_rates(
+def drive_from_rates(
         time: ArrayLike, rates: ArrayLike, reference_time: ArrayLike,
         reference: ArrayLike) -> RecordedDrive:
     """
-    Return the segment of wheel rates, each held until the next stamp.
+    Return the drive of wheel rates, each held until the next stamp.
 
     Parameters
     ----------
@@ -173,11 +173,11 @@ def segment_from_rates(
     Raises
     ------
     ValueError
-        As :func:`segment_from_positions`.
+        As :func:`drive_from_positions`.
 
     Examples
     --------
-    >>> drive = segment_from_rates(
+    >>> drive = drive_from_rates(
     ...     [0.0, 0.5, 1.0], [[2.0, 2.0], [2.0, 4.0], [0.0, 0.0]], [0.0, 1.0], np.zeros((2, 3)))
     >>> drive.angles[-1]
     array([2., 3.])
@@ -185,15 +185,16 @@ def segment_from_rates(
     """
     stamps, held, replaced = _series('time', time, 'rates', rates, 2)
     rolled = np.cumsum(np.diff(stamps)[:, None] * held[:-1], axis=0)
-    return _counted(segment_from_positions(
-        stamps, np.vstack([np.zeros(2), rolled]), reference_time, reference), replaced)
+    drive = drive_from_positions(
+        stamps, np.vstack([np.zeros(2), rolled]), reference_time, reference)
+    return replace(drive, duplicates=drive.duplicates + replaced)
 
 
-def segment_from_ticks(
+def drive_from_ticks(
         time: ArrayLike, ticks: ArrayLike, reference_time: ArrayLike, reference: ArrayLike, *,
         ticks_per_turn: float) -> RecordedDrive:
     """
-    Return the segment of encoder increments, each since the row before.
+    Return the drive of encoder increments, each since the row before.
 
     The increments of all rows count, those with the same stamp too; that of the first row, which
     belongs to the time before it, does not matter.
@@ -219,11 +220,11 @@ def segment_from_ticks(
     Raises
     ------
     ValueError
-        As :func:`segment_from_positions`; if ``ticks_per_turn`` is not finite and above 0.
+        As :func:`drive_from_positions`; if ``ticks_per_turn`` is not finite and above 0.
 
     Examples
     --------
-    >>> drive = segment_from_ticks(
+    >>> drive = drive_from_ticks(
     ...     [0.0, 1.0], [[0, 0], [512, 1024]], [0.0, 1.0], np.zeros((2, 3)), ticks_per_turn=1024)
     >>> (drive.angles[-1] / np.pi).round(6)
     array([1., 2.])
@@ -231,15 +232,15 @@ def segment_from_ticks(
     """
     scale = 2.0 * np.pi / check_positive('ticks_per_turn', ticks_per_turn)
     stamps, increments = _checked('time', time, 'ticks', ticks, 2)
-    return segment_from_positions(
+    return drive_from_positions(
         stamps, scale * np.cumsum(increments, axis=0), reference_time, reference)
 
 
-def segment_from_commands(
+def drive_from_commands(
         time: ArrayLike, twists: ArrayLike, reference_time: ArrayLike, reference: ArrayLike, *,
         geometry: WheelGeometry) -> RecordedDrive:
     """
-    Return the segment of commanded twists, each held until the next stamp.
+    Return the drive of commanded twists, each held until the next stamp.
 
     They become the wheel rates that a robot of this geometry is asked for; a fit that starts
     from the same geometry then says how the robot follows its commands.
@@ -265,11 +266,11 @@ def segment_from_commands(
     Raises
     ------
     ValueError
-        As :func:`segment_from_positions`.
+        As :func:`drive_from_positions`.
 
     Examples
     --------
-    >>> drive = segment_from_commands(
+    >>> drive = drive_from_commands(
     ...     [0.0, 1.0], [[0.375, 0.5], [0.0, 0.0]], [0.0, 1.0], np.zeros((2, 3)),
     ...     geometry=WheelGeometry(0.5, 0.125))
     >>> drive.angles[-1]
@@ -278,7 +279,7 @@ def segment_from_commands(
     """
     stamps, commands = _checked('time', time, 'twists', twists, 2)
     left, right = wheel_rates_from_twist(geometry, commands[:, 0], commands[:, 1])
-    return segment_from_rates(stamps, np.stack([left, right], axis=1), reference_time, reference)
+    return drive_from_rates(stamps, np.stack([left, right], axis=1), reference_time, reference)
 
 
 def _series(
@@ -316,8 +317,3 @@ def _checked(
             f'{time_name} is {stamps[row]} in row {row} after {stamps[row - 1]}, '
             f'expected stamps that do not fall')
     return stamps, values
-
-
-def _counted(segment: RecordedDrive, replaced: int) -> RecordedDrive:
-    return RecordedDrive(segment.time, segment.angles, segment.reference_time, segment.reference,
-                         segment.duplicates + replaced)

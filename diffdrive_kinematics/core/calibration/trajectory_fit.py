@@ -64,14 +64,14 @@ class Clock(enum.Enum):
     Examples
     --------
     >>> Clock.DELAY.value
-    'one delay for all segments'
+    'one delay for all drives'
 
     """
 
     NONE = 'none'
-    DELAY = 'one delay for all segments'
-    OFFSETS = 'an offset for each segment'
-    DRIFTS = 'an offset and a drift for each segment'
+    DELAY = 'one delay for all drives'
+    OFFSETS = 'an offset for each drive'
+    DRIFTS = 'an offset and a drift for each drive'
 
 
 @dataclass(frozen=True)
@@ -162,8 +162,8 @@ class TrajectoryFit:
     frame_x, frame_y, frame_yaw : Estimate
         Pose of the reference's frame on the robot [m], [m], [rad].
     offsets, drifts : tuple of Estimate
-        Those of each segment: ``reference stamp = wheel stamp + offset + drift (stamp - middle
-        of the segment)`` [s], [s/s]; all offsets are the same for a delay.
+        Those of each drive: ``reference stamp = wheel stamp + offset + drift (stamp - middle
+        of the drive)`` [s], [s/s]; all offsets are the same for a delay.
     names : tuple of str
         Names of the p parameters that were fitted.
     covariance : numpy.ndarray, shape (p, p)
@@ -233,14 +233,14 @@ class TrajectoryFit:
             geometry,
             **{name: getattr(geometry, name) * getattr(self, name).value for name in WHEELS})
 
-    def systematic(self, segment: int) -> CalibrationParameters:
+    def systematic(self, drive: int) -> CalibrationParameters:
         """
-        Return what is systematic about a segment, relative to the geometry of the fit.
+        Return what is systematic about a drive, relative to the geometry of the fit.
 
         Parameters
         ----------
-        segment : int
-            Index of the segment, from 0.
+        drive : int
+            Index of the drive, from 0.
 
         Returns
         -------
@@ -256,11 +256,11 @@ class TrajectoryFit:
         values = dict(zip(
             CalibrationParameters._fields, (getattr(self, name).value for name in fields)))
         return CalibrationParameters(
-            **values, offset=self.offsets[segment].value, drift=self.drifts[segment].value)
+            **values, offset=self.offsets[drive].value, drift=self.drifts[drive].value)
 
 
 def fit_trajectory(
-        geometry: WheelGeometry, segments: Sequence[RecordedDrive], *, wheels: bool = True,
+        geometry: WheelGeometry, drives: Sequence[RecordedDrive], *, wheels: bool = True,
         mean_radius: bool = True, clock: Clock = Clock.OFFSETS, frame: Optional[Pose] = None,
         windows: Windows = Windows()) -> TrajectoryFit:
     """
@@ -273,7 +273,7 @@ def fit_trajectory(
     ----------
     geometry : WheelGeometry
         Where the fit starts; true sizes within some 20 %.
-    segments : sequence of RecordedDrive
+    drives : sequence of RecordedDrive
         Drives of one robot with one mounting of the reference.
     wheels : bool
         Fit the wheels, instead of taking the geometry as it is.
@@ -296,18 +296,18 @@ def fit_trajectory(
     Raises
     ------
     ValueError
-        If there is no segment, nothing to fit, too few windows, a number that is not finite, a
+        If there is no drive, nothing to fit, too few windows, a number that is not finite, a
         parameter that the data do not identify, or no end of the iteration.
 
     Examples
     --------
     A robot whose wheels are 0.51 m apart instead of 0.5 m, with a reference at its centre:
 
-    >>> from diffdrive_kinematics.core.calibration import segment_from_rates
+    >>> from diffdrive_kinematics.core.calibration import drive_from_rates
     >>> from diffdrive_kinematics.core.calibration import odometry_at
     >>> geometry, stamps = WheelGeometry(0.5, 0.125), np.arange(0.0, 60.0, 0.5)
     >>> rates = 8.0 + 4.0 * np.stack([np.sin(stamps), np.cos(0.7 * stamps)], axis=1)
-    >>> bare = segment_from_rates(stamps, rates, stamps, np.zeros((120, 3)))
+    >>> bare = drive_from_rates(stamps, rates, stamps, np.zeros((120, 3)))
     >>> truth = odometry_at(WheelGeometry(0.51, 0.125), bare, CalibrationParameters())
     >>> fit = fit_trajectory(
     ...     geometry, [replace(bare, reference=truth)], frame=NO_FRAME, clock=Clock.NONE)
@@ -315,7 +315,7 @@ def fit_trajectory(
     '1.020, 0.510 m'
 
     """
-    problem = _problem(geometry, segments, wheels, clock, frame, windows)
+    problem = _problem(geometry, drives, wheels, clock, frame, windows)
     try:
         with np.errstate(all='ignore'):  # what comes of it is judged
             return _fitted(problem, wheels=wheels, mean_radius=mean_radius)
@@ -353,32 +353,32 @@ class _State(NamedTuple):
 
 
 def _problem(
-        geometry: WheelGeometry, segments: Sequence[RecordedDrive], wheels: bool, clock: Clock,
+        geometry: WheelGeometry, drives: Sequence[RecordedDrive], wheels: bool, clock: Clock,
         frame: Optional[Pose], windows: Windows) -> Problem:
-    if not segments:
-        raise ValueError('segments is empty, expected at least one segment')
+    if not drives:
+        raise ValueError('drives is empty, expected at least one drive')
     columns = [Column(name, n, None) for n, name in enumerate(WHEELS) if wheels]
     if frame is None:
         columns += [Column(name, 3 + n, None) for n, name in enumerate(FRAME)]
     if clock is Clock.DELAY:
         columns.append(Column('delay', 6, None))
     elif clock is not Clock.NONE:
-        for n in range(len(segments)):
+        for n in range(len(drives)):
             columns.append(Column(f'offset of drive {n + 1}', 6, n))
             if clock is Clock.DRIFTS:
                 columns.append(Column(f'drift of drive {n + 1}', 7, n))
     if not columns:
         raise ValueError('wheels, frame and clock are all given, expected something to fit')
     held = [check_finite('frame', float(value)) for value in frame or NO_FRAME]
-    for n, segment in enumerate(segments):
-        wheel, seen = segment.time, segment.reference_time
+    for n, drive in enumerate(drives):
+        wheel, seen = drive.time, drive.reference_time
         if seen[-1] <= wheel[0] or wheel[-1] <= seen[0]:
             raise ValueError(
                 f'drive {n + 1} has wheels from {wheel[0]:.3f} to {wheel[-1]:.3f} s and a '
                 f'reference from {seen[0]:.3f} to {seen[-1]:.3f} s, expected stamps of the same '
                 'time')
-    chosen = tuple(windows_between(segment, windows.lengths, windows.every, windows.tolerance)
-                   for segment in segments)
+    chosen = tuple(windows_between(drive, windows.lengths, windows.every, windows.tolerance)
+                   for drive in drives)
     number = sum(len(each.start) for each in chosen)
     if 3 * number < 2 * len(columns) + 6:
         raise ValueError(
@@ -386,7 +386,7 @@ def _problem(
             f'{len(columns)} parameters ({sum(each.in_gaps for each in chosen)} in gaps), '
             f'expected at least {math.ceil(2 * len(columns) / 3) + 2}')
     start = CalibrationParameters(x=held[0], y=held[1], yaw=held[2])
-    return Problem(geometry, tuple(segments), chosen, tuple(columns), start, windows.trust)
+    return Problem(geometry, tuple(drives), chosen, tuple(columns), start, windows.trust)
 
 
 def _solved(problem: Problem) -> _State:
@@ -474,12 +474,12 @@ def _result(
     errors = np.sqrt(np.diag(covariance))
     systematics = problem.systematics(state.values)
 
-    def estimate(field: int, segment: int = 0) -> Estimate:
-        columns, fields = problem.mine(segment)
+    def estimate(field: int, drive: int = 0) -> Estimate:
+        columns, fields = problem.mine(drive)
         error = float(errors[columns[fields.index(field)]]) if field in fields else 0.0
-        return Estimate(float(systematics[segment][field]), error)
+        return Estimate(float(systematics[drive][field]), error)
 
-    numbers = range(len(problem.segments))
+    numbers = range(len(problem.drives))
     left, right, separation, x, y, yaw = (estimate(field) for field in range(6))
     return TrajectoryFit(
         left, right, separation, x, y, yaw,

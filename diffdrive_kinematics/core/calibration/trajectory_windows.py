@@ -46,7 +46,7 @@ Indices = NDArray[np.intp]
 
 class CalibrationParameters(NamedTuple):
     """
-    What is systematic about one segment.
+    What is systematic about one drive.
 
     Parameters
     ----------
@@ -58,7 +58,7 @@ class CalibrationParameters(NamedTuple):
         Its heading on the robot [rad].
     offset : float
         Part of ``reference stamp = wheel stamp + offset + drift (stamp - middle of the
-        segment)`` [s].  A delay with which commands are followed is an offset.
+        drive)`` [s].  A delay with which commands are followed is an offset.
     drift : float
         Rate of the two clocks against each other [s/s].
 
@@ -104,7 +104,7 @@ class WindowSet(NamedTuple):
 @dataclass(frozen=True)
 class WindowResiduals:
     """
-    Errors of the windows of a segment, and what moves them; w windows, n - 1 wheel intervals.
+    Errors of the windows of a drive, and what moves them; w windows, n - 1 wheel intervals.
 
     Parameters
     ----------
@@ -171,7 +171,7 @@ class _Nodes(NamedTuple):
 
 
 def windows_between(
-        segment: RecordedDrive, lengths: Sequence[float], every: float, tolerance: float
+        drive: RecordedDrive, lengths: Sequence[float], every: float, tolerance: float
 ) -> WindowSet:
     """
     Return windows of some lengths that start at even times.
@@ -182,7 +182,7 @@ def windows_between(
 
     Parameters
     ----------
-    segment : RecordedDrive
+    drive : RecordedDrive
         Wheels and reference of one drive.
     lengths : sequence of float
         Lengths of the windows [s].
@@ -198,16 +198,16 @@ def windows_between(
 
     Examples
     --------
-    >>> from diffdrive_kinematics.core.calibration import segment_from_rates
+    >>> from diffdrive_kinematics.core.calibration import drive_from_rates
     >>> stamps = np.arange(5.0)
-    >>> drive = segment_from_rates(stamps, np.full((5, 2), 8.0), stamps, np.zeros((5, 3)))
+    >>> drive = drive_from_rates(stamps, np.full((5, 2), 8.0), stamps, np.zeros((5, 3)))
     >>> windows = windows_between(drive, lengths=(2.0,), every=1.0, tolerance=0.1)
     >>> windows.start.tolist(), windows.end.tolist()
     ([0, 1, 2], [2, 3, 4])
 
     """
-    seen = segment.reference_time
-    low, high = max(seen[0], segment.time[0]), min(seen[-1], segment.time[-1])
+    seen = drive.reference_time
+    low, high = max(seen[0], drive.time[0]), min(seen[-1], drive.time[-1])
     starts, ends, lost = [], [], 0
     for length in lengths:
         begin = np.arange(low, high - length + 1e-9, every)
@@ -219,14 +219,14 @@ def windows_between(
         starts.append(start[there])
         ends.append(end[there])
     start, end = np.concatenate(starts), np.concatenate(ends)
-    way = np.append(0.0, np.cumsum(np.abs(np.diff(segment.angles, axis=0)).sum(axis=1)))
-    so_far = np.interp(seen, segment.time, way)
+    way = np.append(0.0, np.cumsum(np.abs(np.diff(drive.angles, axis=0)).sum(axis=1)))
+    so_far = np.interp(seen, drive.time, way)
     moving = so_far[end] > so_far[start]
     return WindowSet(start[moving], end[moving], lost)
 
 
 def odometry_at(
-        geometry: WheelGeometry, segment: RecordedDrive, systematic: CalibrationParameters
+        geometry: WheelGeometry, drive: RecordedDrive, systematic: CalibrationParameters
 ) -> Array:
     """
     Return what odometry says at the samples of the reference, from (0, 0, 0).
@@ -235,7 +235,7 @@ def odometry_at(
     ----------
     geometry : WheelGeometry
         Size and spacing of the wheels.
-    segment : RecordedDrive
+    drive : RecordedDrive
         Wheels, and stamps of the m samples.
     systematic : CalibrationParameters
         Factors on the geometry, and the clocks; the reference's frame does not matter.
@@ -247,19 +247,19 @@ def odometry_at(
 
     Examples
     --------
-    >>> from diffdrive_kinematics.core.calibration import segment_from_rates
+    >>> from diffdrive_kinematics.core.calibration import drive_from_rates
     >>> stamps = np.arange(5.0)
-    >>> drive = segment_from_rates(stamps, np.full((5, 2), 8.0), stamps, np.zeros((5, 3)))
+    >>> drive = drive_from_rates(stamps, np.full((5, 2), 8.0), stamps, np.zeros((5, 3)))
     >>> odometry_at(WheelGeometry(0.5, 0.125), drive, CalibrationParameters())[:, 0].round(6)
     array([0., 1., 2., 3., 4.])
 
     """
-    travel, separation = _travel(geometry, segment, systematic)
-    return _at_nodes(segment, systematic, travel, separation, _path(travel, separation)).pose
+    travel, separation = _travel(geometry, drive, systematic)
+    return _at_nodes(drive, systematic, travel, separation, _path(travel, separation)).pose
 
 
 def linearised(
-        geometry: WheelGeometry, segment: RecordedDrive, windows: WindowSet,
+        geometry: WheelGeometry, drive: RecordedDrive, windows: WindowSet,
         systematic: CalibrationParameters) -> WindowResiduals:
     """
     Return the errors of windows and their derivatives, for the systematic errors given.
@@ -268,7 +268,7 @@ def linearised(
     ----------
     geometry : WheelGeometry
         Size and spacing of the wheels.
-    segment : RecordedDrive
+    drive : RecordedDrive
         Wheels and reference of one drive.
     windows : WindowSet
         Its windows.
@@ -284,18 +284,18 @@ def linearised(
     --------
     A reference that stands still, while the wheels say 1 m for each window of 1 s:
 
-    >>> from diffdrive_kinematics.core.calibration import segment_from_rates
+    >>> from diffdrive_kinematics.core.calibration import drive_from_rates
     >>> stamps = np.arange(3.0)
-    >>> drive = segment_from_rates(stamps, np.full((3, 2), 8.0), stamps, np.zeros((3, 3)))
+    >>> drive = drive_from_rates(stamps, np.full((3, 2), 8.0), stamps, np.zeros((3, 3)))
     >>> windows = windows_between(drive, (1.0,), every=1.0, tolerance=0.1)
     >>> part = linearised(WheelGeometry(0.5, 0.125), drive, windows, CalibrationParameters())
     >>> part.error[:, 0].round(6), part.noise().shape
     (array([-1., -1.]), (2, 2, 3, 3))
 
     """
-    travel, separation = _travel(geometry, segment, systematic)
+    travel, separation = _travel(geometry, drive, systematic)
     path = _path(travel, separation)
-    nodes = _at_nodes(segment, systematic, travel, separation, path)
+    nodes = _at_nodes(drive, systematic, travel, separation, path)
     start, end = windows.start, windows.end
     elements = _elements(path, separation)
     turn = (travel[:, 1] - travel[:, 0]) / separation
@@ -309,10 +309,10 @@ def linearised(
     slip = along @ _sums(spread, nodes, start, end) @ along.transpose(0, 2, 1)
     wheels, back = _relative(nodes.pose, start, end)
     by_time = _moved(nodes.twist, nodes.pose, back, wheels, start, end)
-    middle = 0.5 * (segment.time[0] + segment.time[-1])
-    late = (segment.reference_time - middle)[:, None]
+    middle = 0.5 * (drive.time[0] + drive.time[-1])
+    late = (drive.reference_time - middle)[:, None]
     by_drift = _moved(nodes.twist * late, nodes.pose, back, wheels, start, end)
-    seen, by_frame, at_start, at_end = _reference(segment.reference, systematic, start, end)
+    seen, by_frame, at_start, at_end = _reference(drive.reference, systematic, start, end)
     error = seen - wheels
     error[:, 2] = wrap_angle(error[:, 2])
     jacobian = np.concatenate(
@@ -326,10 +326,10 @@ def _nearest(stamps: Array, wanted: Array) -> Indices:
     return after - (wanted - stamps[after - 1] <= stamps[after] - wanted)
 
 
-def _travel(geometry: WheelGeometry, segment: RecordedDrive, systematic: CalibrationParameters
+def _travel(geometry: WheelGeometry, drive: RecordedDrive, systematic: CalibrationParameters
             ) -> Tuple[Array, float]:
     radii = [geometry.left_radius * systematic.left, geometry.right_radius * systematic.right]
-    return (np.diff(segment.angles, axis=0) * radii,
+    return (np.diff(drive.angles, axis=0) * radii,
             geometry.separation * systematic.separation)
 
 
@@ -345,15 +345,15 @@ def _path(travel: Array, separation: float) -> Array:
 
 
 def _at_nodes(
-        segment: RecordedDrive, systematic: CalibrationParameters, travel: Array,
+        drive: RecordedDrive, systematic: CalibrationParameters, travel: Array,
         separation: float, path: Array) -> _Nodes:
     """Return odometry at the reference's samples: a part of the arc in which each one falls."""
-    middle = 0.5 * (segment.time[0] + segment.time[-1])
-    time = (segment.reference_time - systematic.offset
-            - systematic.drift * (segment.reference_time - middle))
-    interval = np.clip(np.searchsorted(segment.time, time, side='right') - 1, 0, len(travel) - 1)
-    period = np.diff(segment.time)[interval]
-    fraction = (time - segment.time[interval]) / period
+    middle = 0.5 * (drive.time[0] + drive.time[-1])
+    time = (drive.reference_time - systematic.offset
+            - systematic.drift * (drive.reference_time - middle))
+    interval = np.clip(np.searchsorted(drive.time, time, side='right') - 1, 0, len(travel) - 1)
+    period = np.diff(drive.time)[interval]
+    fraction = (time - drive.time[interval]) / period
     part = travel[interval] / period[:, None]
     speed, rate = 0.5 * part.sum(axis=1), (part[:, 1] - part[:, 0]) / separation
     turn = rate * period * fraction

@@ -68,9 +68,9 @@ class Variances(NamedTuple):
     >>> from dataclasses import replace
     >>> from diffdrive_kinematics.core.calibration import trajectory_windows as tw
     >>> from diffdrive_kinematics.core.kinematics import WheelGeometry
-    >>> from diffdrive_kinematics.core.calibration import segment_from_rates
+    >>> from diffdrive_kinematics.core.calibration import drive_from_rates
     >>> geometry, stamps = WheelGeometry(0.5, 0.125), np.arange(500.0)
-    >>> bare = segment_from_rates(stamps, np.full((500, 2), 8.0), stamps, np.zeros((500, 3)))
+    >>> bare = drive_from_rates(stamps, np.full((500, 2), 8.0), stamps, np.zeros((500, 3)))
     >>> noise = np.random.default_rng(1).normal(0.0, 0.01, (500, 3))
     >>> drive = replace(
     ...     bare, reference=tw.odometry_at(geometry, bare, tw.CalibrationParameters()) + noise)
@@ -108,7 +108,7 @@ def window_covariance(part: WindowResiduals, variances: Variances) -> Array:
     Parameters
     ----------
     part : WindowResiduals
-        The w windows of one segment.
+        The w windows of one drive.
     variances : Variances
         Slip constant and noise of the reference.
 
@@ -195,7 +195,7 @@ def updated_variances(
     Parameters
     ----------
     parts : sequence of WindowResiduals
-        Windows of each segment, w in all.
+        Windows of each drive, w in all.
     distances : numpy.ndarray, shape (w,)
         Distances of the windows [1]; they tell which ones are credible.
     taken : numpy.ndarray, shape (w, 3, 3)
@@ -243,12 +243,12 @@ def score_covariance(
         part: WindowResiduals, windows: WindowSet, gain: Array, variances: Variances,
         samples: int) -> Array:
     """
-    Return the covariance S of the score ``sum J^T P^-1 e`` of one segment.
+    Return the covariance S of the score ``sum J^T P^-1 e`` of one drive.
 
     Parameters
     ----------
     part : WindowResiduals
-        The w windows of the segment.
+        The w windows of the drive.
     windows : WindowSet
         Rows at which they start and end.
     gain : numpy.ndarray, shape (w, p, 3)

@@ -19,6 +19,7 @@ import time
 from typing import Any, Callable, Dict, Mapping, Optional, Tuple
 
 from diffdrive_kinematics.core.commands import STILL, Twist
+from diffdrive_kinematics.core.kinematics import NANOSECONDS
 from diffdrive_kinematics.core.odometry import SenderClocks
 from diffdrive_kinematics.ros.messages.messages import command_in
 from diffdrive_kinematics.ros.runtime.rclpy_private import taker_of
@@ -26,7 +27,6 @@ from rclpy.subscription import Subscription
 
 __all__ = ['Backlog', 'CommandIntake', 'LATE_NS']
 
-NANOSECONDS = 1e9
 LATE_NS = 50_000_000  # up to which the age of a command is that of its way here
 BEFORE_ALL_NS = -2**63
 REPORT_PERIOD_S = 1.0

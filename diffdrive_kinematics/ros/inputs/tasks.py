@@ -16,7 +16,7 @@
 
 from typing import List, NamedTuple, Sequence, Union
 
-from diffdrive_kinematics.core.commands import Points
+from diffdrive_kinematics.core.commands import Waypoints
 from diffdrive_kinematics.core.kinematics import check_finite, Pose
 
 __all__ = ['Seen', 'Task', 'goals_from']
@@ -25,12 +25,12 @@ __all__ = ['Seen', 'Task', 'goals_from']
 class Task(NamedTuple):
     """Where to go, in a frame; an empty one is that of the odometry."""
 
-    target: Union[Pose, Points]
+    target: Union[Pose, Waypoints]
     frame_id: str
 
     def __str__(self) -> str:
         """Return it in words."""
-        if isinstance(self.target, Points):
+        if isinstance(self.target, Waypoints):
             return f'the path of {len(self.target.points)} points'
         return 'the goal x {:.3f} m, y {:.3f} m, yaw {:.3f} rad'.format(*self.target)
 

@@ -28,13 +28,12 @@ import struct
 import sys
 from typing import Any, Optional, Sequence, Tuple
 
+from diffdrive_kinematics.core.kinematics import NANOSECONDS
 from sensor_msgs.msg import JointState
 
 __all__ = [
     'JointStateLayout', 'Layout', 'Template', 'joint_names', 'read_stamped_twist', 'read_twist',
     'stamped_sequence']
-
-NANOSECONDS = 1_000_000_000
 
 HEADER = bytes((0, sys.byteorder == 'little', 0, 0))
 STAMP_AT = len(HEADER)

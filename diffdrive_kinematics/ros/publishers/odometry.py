@@ -16,9 +16,10 @@
 
 from typing import Any, Mapping, NamedTuple, Optional, Sequence, Tuple, TYPE_CHECKING
 
+from diffdrive_kinematics.core.kinematics import compose, inverse
 from diffdrive_kinematics.core.noise import twist_covariance
-from diffdrive_kinematics.core.odometry import composed, inverted, OdometryHistory, WheelPair
 from diffdrive_kinematics.core.odometry import odometry as core
+from diffdrive_kinematics.core.odometry import OdometryHistory, WheelPair
 from diffdrive_kinematics.ros.messages.messages import (
     check_stamp, nanoseconds, OdometryMessage, pose_in_plane)
 from diffdrive_kinematics.ros.publishers.tf import frame_prefix, TransformPublisher
@@ -135,4 +136,4 @@ class BeliefCorrection:
             return
         truth = self._history.pose_at(stamp_ns)
         self._transform.publish(
-            stamp_ns, (own, belief.header.frame_id), composed(truth, inverted(believed)))
+            stamp_ns, (own, belief.header.frame_id), compose(truth, inverse(believed)))

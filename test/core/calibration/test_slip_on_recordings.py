@@ -17,8 +17,8 @@
 from diffdrive_kinematics.core.calibration import fit_slip, nees_per_dof
 import numpy as np
 import pytest
-from recorded import RUNS
-from systematic import calibrated, encoder_recording, NOMINAL, transferred, windows_of
+from support.recorded import RUNS
+from support.systematic import calibrated, encoder_recording, NOMINAL, transferred, windows_of
 
 SHORT, LONG, EVERY = 2.0, 10.0, 2.0  # [s], of the windows for the fit
 FITTED, PREDICTED = (0, 1, 3, 4), (2, 5)  # two of three runs each way round, and the third

@@ -16,17 +16,18 @@
 """Calibration from drives: it finds what was put in, knows how well, and refuses what it must."""
 
 from collections import Counter
+from dataclasses import replace
 import math
 
 from diffdrive_kinematics.core.calibration import (
-    CalibrationParameters, Clock, fit_segment_slip, fit_trajectory, linearised, NO_FRAME,
-    segment_from_positions, Windows, windows_between)
+    CalibrationParameters, Clock, drive_from_positions, fit_drive_slip, fit_trajectory,
+    linearised, NO_FRAME, Windows, windows_between)
 from diffdrive_kinematics.core.kinematics import Pose, WheelGeometry
-from drives import curved_twists, Disturbance, drive, EXACT, GEOMETRY, Truth
-from end_points import encoder_segment, predicted_end
 import numpy as np
 import pytest
-from recorded import RADIUS, RUNS, SEPARATION
+from support.drives import curved_twists, Disturbance, drive, EXACT, GEOMETRY, Truth
+from support.end_points import encoder_drive, predicted_end
+from support.recorded import RADIUS, RUNS, SEPARATION
 
 NAMES = ('left_wheel_radius_multiplier', 'right_wheel_radius_multiplier',
          'wheel_separation_multiplier', 'frame_x', 'frame_y', 'frame_yaw')
@@ -105,17 +106,17 @@ def test_exact_data_give_what_was_put_in():
 
 def test_the_factors_multiply_those_of_the_geometry_that_the_fit_started_from():
     half = WheelGeometry(0.2, 0.04, 1.02, 1.01, 0.99)
-    segment = drive(3)
-    whole = fit_trajectory(GEOMETRY, [segment]).corrected(GEOMETRY)
-    other = fit_trajectory(half, [segment]).corrected(half)
+    recorded = drive(3)
+    whole = fit_trajectory(GEOMETRY, [recorded]).corrected(GEOMETRY)
+    other = fit_trajectory(half, [recorded]).corrected(half)
     assert other.separation == pytest.approx(whole.separation, rel=1e-4)
     assert other.left_radius == pytest.approx(whole.left_radius, rel=1e-4)
 
 
 def test_with_the_mean_radius_kept_yaw_is_that_of_the_fit_and_distance_as_given():
-    segment = drive(5)
-    free = fit_trajectory(GEOMETRY, [segment])
-    kept = fit_trajectory(GEOMETRY, [segment], mean_radius=False)
+    recorded = drive(5)
+    free = fit_trajectory(GEOMETRY, [recorded])
+    kept = fit_trajectory(GEOMETRY, [recorded], mean_radius=False)
     wheels, held = np.array(found(free)[:3]), np.array(found(kept)[:3])
     mean = 0.5 * (wheels[0, 0] + wheels[1, 0])
     np.testing.assert_allclose(held[:, 0], wheels[:, 0] / mean, rtol=1e-12)
@@ -127,9 +128,9 @@ def test_with_the_mean_radius_kept_yaw_is_that_of_the_fit_and_distance_as_given(
     assert free.after.position < kept.after.position <= kept.before.position * 1.01
 
 
-def test_segments_have_clocks_of_their_own_or_share_a_delay():
-    segments = [drive(n, Truth(offset=offset)) for n, offset in enumerate((0.1, -0.15))]
-    own = fit_trajectory(GEOMETRY, segments)
+def test_drives_have_clocks_of_their_own_or_share_a_delay():
+    drives = [drive(n, Truth(offset=offset)) for n, offset in enumerate((0.1, -0.15))]
+    own = fit_trajectory(GEOMETRY, drives)
     for estimate, true in zip(own.offsets, (0.1, -0.15)):
         assert abs(estimate.value - true) < 4.0 * estimate.error < 0.02
     same = [drive(n, Truth(offset=0.2)) for n in (2, 3)]
@@ -166,27 +167,27 @@ def test_windows_with_an_end_in_a_gap_are_left_out():
 
 @pytest.mark.parametrize('field', CalibrationParameters._fields)
 def test_the_derivatives_are_those_of_the_errors(field):
-    segment, truth = drive(1), CalibrationParameters(1.01, 0.99, 1.02, 0.1, -0.2, 0.1, 0.06, 1e-3)
-    windows = windows_between(segment, (2.0, 7.0), 0.5, 0.1)
+    recorded, truth = drive(1), CalibrationParameters(1.01, 0.99, 1.02, 0.1, -0.2, 0.1, 0.06, 1e-3)
+    windows = windows_between(recorded, (2.0, 7.0), 0.5, 0.1)
     step = 1e-5
-    there, here = (linearised(GEOMETRY, segment, windows, truth._replace(
+    there, here = (linearised(GEOMETRY, recorded, windows, truth._replace(
         **{field: getattr(truth, field) + way})).error for way in (step, -step))
     number = CalibrationParameters._fields.index(field)
-    derivative = linearised(GEOMETRY, segment, windows, truth).jacobian[:, :, number]
+    derivative = linearised(GEOMETRY, recorded, windows, truth).jacobian[:, :, number]
     np.testing.assert_allclose(derivative, (there - here) / (2.0 * step), rtol=2e-2,
                                atol=2e-2 * np.abs(derivative).max())
 
 
 def test_the_derivatives_by_the_reference_are_those_of_the_errors():
-    segment, truth = drive(1), CalibrationParameters(x=0.1, y=-0.2, yaw=0.1)
-    windows = windows_between(segment, (5.0,), 60.0, 0.1)
+    recorded, truth = drive(1), CalibrationParameters(x=0.1, y=-0.2, yaw=0.1)
+    windows = windows_between(recorded, (5.0,), 60.0, 0.1)
     row = {'at_start': windows.start[0], 'at_end': windows.end[0]}
-    base = linearised(GEOMETRY, segment, windows, truth)
+    base = linearised(GEOMETRY, recorded, windows, truth)
     for name in row:
         for axis in range(3):
-            moved = segment.reference.copy()
+            moved = recorded.reference.copy()
             moved[row[name], axis] += 1e-6
-            changed = type(segment)(segment.time, segment.angles, segment.reference_time, moved)
+            changed = replace(recorded, reference=moved)
             error = linearised(GEOMETRY, changed, windows, truth).error
             np.testing.assert_allclose(getattr(base, name)[0, :, axis],
                                        (error - base.error)[0] / 1e-6, atol=1e-5)
@@ -211,7 +212,7 @@ def test_a_constant_course_does_not_tell_the_time():
 
 
 def test_bad_requests_are_refused():
-    with pytest.raises(ValueError, match='segments is empty'):
+    with pytest.raises(ValueError, match='drives is empty'):
         fit_trajectory(GEOMETRY, [])
     with pytest.raises(ValueError, match='expected something to fit'):
         fit_trajectory(GEOMETRY, [drive(0)], wheels=False, clock=Clock.NONE, frame=NO_FRAME)
@@ -225,28 +226,28 @@ def test_bad_requests_are_refused():
 
 
 def test_slip_after_the_calibration_is_that_which_was_put_in():
-    segments = [drive(n, disturbance=Disturbance(2e-3, 1e-3, 3e-3)) for n in range(4)]
-    fit = fit_trajectory(GEOMETRY, segments)
-    slip = fit_segment_slip(GEOMETRY, segments, fit)
+    drives = [drive(n, disturbance=Disturbance(2e-3, 1e-3, 3e-3)) for n in range(4)]
+    fit = fit_trajectory(GEOMETRY, drives)
+    slip = fit_drive_slip(GEOMETRY, drives, fit)
     assert abs(slip.k_left.value - 4e-6) < 4.0 * slip.k_left.error
     assert 0.0 < slip.k_left.error < 2e-6
     assert slip.sigma_position.value == pytest.approx(1e-3, rel=0.2)
     assert slip.sigma_heading.value == pytest.approx(3e-3, rel=0.2)
-    with pytest.raises(ValueError, match='there are 3 segments, expected 4'):
-        fit_segment_slip(GEOMETRY, segments[1:], fit)
+    with pytest.raises(ValueError, match='there are 3 drives, expected 4'):
+        fit_drive_slip(GEOMETRY, drives[1:], fit)
 
 
-def end_error(geometry, frame, segment):
+def end_error(geometry, frame, recorded):
     """Return the distance [m] of odometry from the reference at the end of a run."""
-    return math.dist(*predicted_end(geometry, frame, segment))
+    return math.dist(*predicted_end(geometry, frame, recorded))
 
 
 def test_a_real_robot_calibrated_on_some_runs_ends_nearer_to_the_truth_on_others():
-    segments, nominal = [*map(encoder_segment, RUNS)], WheelGeometry(SEPARATION, RADIUS)
-    assert Counter(np.sign(segment.reference[-1, 2]) for segment in segments) == {1.0: 3, -1.0: 3}
-    chosen = [segments[n] for n in (0, 1, 3, 4)]
+    drives, nominal = [*map(encoder_drive, RUNS)], WheelGeometry(SEPARATION, RADIUS)
+    assert Counter(np.sign(recorded.reference[-1, 2]) for recorded in drives) == {1.0: 3, -1.0: 3}
+    chosen = [drives[n] for n in (0, 1, 3, 4)]
     fit = fit_trajectory(nominal, chosen)
-    before, after = (np.mean([end_error(geometry, fit.frame, segments[n]) for n in (2, 5)])
+    before, after = (np.mean([end_error(geometry, fit.frame, drives[n]) for n in (2, 5)])
                      for geometry in (nominal, fit.corrected(nominal)))
     assert after < before / 3.0
     assert fit.after.heading < fit.before.heading
@@ -262,17 +263,17 @@ def test_encoders_that_start_anew_do_not_change_the_slip():
     whole = drive(1, Truth(), Disturbance())
     angles, middle = whole.angles.copy(), len(whole.angles) // 2
     angles[middle:] -= angles[middle]
-    again = segment_from_positions(
+    again = drive_from_positions(
         whole.time, angles, whole.reference_time, whole.reference)
     before, after = (
-        fit_segment_slip(GEOMETRY, [each], fit_trajectory(GEOMETRY, [each]))
+        fit_drive_slip(GEOMETRY, [each], fit_trajectory(GEOMETRY, [each]))
         for each in (whole, again))
     assert after.k_left.value == pytest.approx(before.k_left.value, rel=0.5)
 
 
 def test_a_reference_of_another_time_is_named_as_such():
     whole = drive(1, Truth(), Disturbance())
-    other = segment_from_positions(
+    other = drive_from_positions(
         whole.time, whole.angles, whole.reference_time + 1e9, whole.reference)
     with pytest.raises(ValueError, match='drive 2 .* expected stamps of the same time'):
         fit_trajectory(GEOMETRY, [whole, other])
@@ -280,7 +281,7 @@ def test_a_reference_of_another_time_is_named_as_such():
 
 def test_a_reference_in_degrees_is_not_taken_for_a_drive_that_tells_too_little():
     whole = drive(1, Truth(), Disturbance())
-    degrees = segment_from_positions(
+    degrees = drive_from_positions(
         whole.time, whole.angles, whole.reference_time,
         whole.reference * [1.0, 1.0, 180.0 / math.pi])
     with pytest.raises(ValueError, match='do not agree .* m and rad'):
@@ -294,5 +295,5 @@ def test_a_reference_in_degrees_is_not_taken_for_a_drive_that_tells_too_little()
 def test_a_reference_beyond_all_bounds_is_refused_in_words(spoil):
     whole = drive(1, Truth(), Disturbance())
     with pytest.raises(ValueError, match='do not agree .* expected m and rad'):
-        fit_trajectory(GEOMETRY, [segment_from_positions(
+        fit_trajectory(GEOMETRY, [drive_from_positions(
             whole.time, whole.angles, whole.reference_time, spoil(whole.reference))])

@@ -28,8 +28,8 @@ import random
 
 from diffdrive_kinematics.core.commands import AxisLimits, Drive, DriveSettings, Twist
 from diffdrive_kinematics.core.kinematics import WheelGeometry
-from limit_laws import check_state, check_step, DIGITS, goal_of, Law, share_within
 import pytest
+from support.limit_laws import check_state, check_step, DIGITS, goal_of, Law, share_within
 
 NAN = math.nan
 STILL = Twist(0.0, 0.0)

@@ -17,8 +17,9 @@
 from diffdrive_kinematics.core.kinematics import Pose, WheelGeometry
 from diffdrive_kinematics.core.noise import NO_COVARIANCE
 from diffdrive_kinematics.core.odometry import MeasuredWheels, Verdict, WheelSample
-from driver import base, driven, Driver, GEOMETRY, MS, RADIUS, S, seconds_of, START_NS, steady
 import pytest
+from support.driver import (
+    base, driven, Driver, GEOMETRY, MS, RADIUS, S, seconds_of, START_NS, steady)
 
 RATE = 5.0  # [rad/s]
 

@@ -15,8 +15,8 @@
 """Odometry that holds with drivers as they are: their clocks, positions and velocities."""
 
 from diffdrive_kinematics.core.odometry import MeasuredWheels, RateWindow, Verdict, WheelSample
-from driver import base, driven, Driver, MS, RADIUS, ramp, S, seconds_of, START_NS, steady
 import pytest
+from support.driver import base, driven, Driver, MS, RADIUS, ramp, S, seconds_of, START_NS, steady
 
 RATE = 5.0  # [rad/s]
 ZERO = (0.0, 0.0)

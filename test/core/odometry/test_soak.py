@@ -23,7 +23,7 @@ import math
 
 from diffdrive_kinematics.core.kinematics import Pose, RunningSum
 from diffdrive_kinematics.core.odometry import Odometry
-from long_drive import Course, PERIOD_NS
+from support.long_drive import Course, PERIOD_NS
 
 ROLLED = 30 * 3600 * 0.4 / 0.021  # [rad]
 TURNED = 30 * 3600 * 0.2  # [rad]

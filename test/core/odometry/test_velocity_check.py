@@ -17,10 +17,10 @@
 import math
 
 from diffdrive_kinematics.core.odometry import VelocityCheck
-from driver import Driver, MS, ramp, S, sway
 from hypothesis import given, settings, strategies as st
 import pytest
-from recorded import load, RUNS, wheel_positions
+from support.driver import Driver, MS, ramp, S, sway
+from support.recorded import load, RUNS, wheel_positions
 
 LAW = settings(deadline=None, derandomize=True)
 

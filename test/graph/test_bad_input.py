@@ -1,0 +1,249 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Bad commands and bad parameters: refused with a clear word, and nothing moves or dies."""
+
+import math
+import signal
+
+from geometry_msgs.msg import Twist, TwistStamped
+import pytest
+from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
+from rcl_interfaces.srv import GetParameters, SetParameters, SetParametersAtomically
+from sensor_msgs.msg import JointState
+from support.graph import KHEPERA, twist, twist_stamped
+
+CONTROLLER = 'diff_drive_controller'
+
+
+def double(name, value):
+    return Parameter(name=name, value=ParameterValue(
+        type=ParameterType.PARAMETER_DOUBLE, double_value=value))
+
+
+def text(name, value):
+    return Parameter(name=name, value=ParameterValue(
+        type=ParameterType.PARAMETER_STRING, string_value=value))
+
+
+def integer(name, value):
+    return Parameter(name=name, value=ParameterValue(
+        type=ParameterType.PARAMETER_INTEGER, integer_value=value))
+
+
+@pytest.mark.parametrize('v, w', [
+    (math.nan, 0.0), (0.0, math.nan), (math.inf, 0.0), (0.1, -math.inf), (1e308, 1e308)])
+def test_a_command_that_is_not_finite_stops_the_robot_and_is_reported(graph, v, w):
+    controller = graph.start(CONTROLLER, {**KHEPERA, 'cmd_vel_timeout': 0.0})
+    rates = graph.collect(JointState, 'wheel_rates')
+    commands = graph.publisher(Twist, 'cmd_vel')
+    commands.publish(twist(0.1, 0.5))
+    graph.wait_for(lambda: rates and any(rates[-1].velocity), 'the robot to drive')
+    commands.publish(twist(v, w))
+    graph.wait_for(lambda: list(rates[-1].velocity) == [0.0, 0.0], 'the robot to stop')
+    graph.wait_for(lambda: 'refused' in controller.output, 'a report')
+    assert "'cmd_vel'" in controller.output and repr((v, w)) in controller.output
+    assert 'expected finite numbers' in controller.output
+    commands.publish(twist(0.1, 0.5))
+    graph.wait_for(lambda: any(rates[-1].velocity), 'the robot to drive again')
+    assert all(map(math.isfinite, (value for message in rates for value in message.velocity)))
+
+
+@pytest.mark.parametrize('executable, parameters, words', [
+    (CONTROLLER, {}, ['wheel_separation is not set', 'wheel_radius is not set', '[m]']),
+    (CONTROLLER, {**KHEPERA, 'wheel_radius': -0.1}, ['wheel_radius is -0.1', 'above 0']),
+    (CONTROLLER, {**KHEPERA, 'wheel_radius': 0}, ['wheel_radius is 0.0', 'above 0']),
+    (CONTROLLER, {**KHEPERA, 'wheel_radius': 'big'}, ["wheel_radius is 'big'", 'a number']),
+    (CONTROLLER, {**KHEPERA, 'linear.x.max_deceleration': 2.0},
+     ['linear.x.max_deceleration is 2.0', 'below 0']),
+    (CONTROLLER, {**KHEPERA, 'wheel_rates_topic': 'cmd_vel'},
+     ["wheel_rates_topic is 'cmd_vel'", 'another topic']),
+    (CONTROLLER, {**KHEPERA, 'left_wheel_names': ['a'], 'right_wheel_names': ['a']},
+     ["both have ['a']", 'different joints']),
+    (CONTROLLER, {**KHEPERA, 'publish_rate': 1e9}, ['publish_rate is 1000000000.0', '1e6 Hz']),
+    ('wheel_noise', {'wheel_radius': 0.02, 'left_bias': -1.5}, ['left_bias is -1.5', 'above -1']),
+    ('wheel_noise', {'wheel_radius': 0.02, 'slip_model': 'x'}, ["slip_model is 'x'", "'travel'"]),
+    ('simulated_base', {**KHEPERA, 'initial_pose': [1.0, 2.0]},
+     ['initial_pose is [1.0, 2.0]', 'three finite numbers']),
+    ('simulated_base', {**KHEPERA, 'odom_frame_id': 'base_link'},
+     ["odom_frame_id and base_frame_id are both 'base_link'", 'different frames']),
+    ('simulated_base', {**KHEPERA, 'odom_topic': 'wheel_rates'},
+     ["odom_topic is 'wheel_rates'", 'another topic']),
+    ('command_sequence', {}, ['commands is []', 'one of them']),
+    ('command_sequence', {'commands': [0.1, 0.2]}, ['commands has 2 numbers', 'three']),
+    ('command_sequence', {'commands': [0.1, 0.0, 0.0]}, ['last 0 s', 'above 0']),
+    ('command_sequence', {'recording': '/no/such.csv'}, ["'/no/such.csv'", 'cannot be read']),
+])
+def test_a_bad_parameter_at_start_is_refused_by_name_value_and_rule(
+        graph, executable, parameters, words):
+    process = graph.start(executable, parameters)
+    assert process.wait() == 2
+    assert 'Traceback' not in process.output
+    assert 'refuses to start' in process.output
+    for word in words:
+        assert word in process.output
+
+
+def test_a_params_file_that_does_not_exist_is_named(graph):
+    process = graph.start(CONTROLLER, args=['--ros-args', '--params-file', 'no_such.yaml'])
+    assert process.wait() == 2
+    assert 'no_such.yaml' in process.output and 'Traceback' not in process.output
+
+
+def test_an_argument_that_ros_does_not_know_is_named(graph):
+    process = graph.start(CONTROLLER, args=['--ros-args', '-p', 'cmd_vel_topic:=my', 'topic'])
+    assert process.wait() == 2
+    assert "['topic']" in process.output and 'Traceback' not in process.output
+
+
+@pytest.mark.parametrize('change, words', [
+    (double('wheel_radius', 0.0), ['wheel_radius is 0.0', 'above 0']),
+    (double('wheel_radius', math.nan), ['wheel_radius is nan', 'above 0']),
+    (double('wheel_separation_multiplier', math.inf), ['wheel_separation_multiplier is inf']),
+    (text('wheel_radius', 'abc'), ["wheel_radius is 'abc'", 'a number']),
+    (double('linear.x.max_acceleration', -1.0), ['linear.x.max_acceleration is -1.0', 'above 0']),
+])
+def test_a_bad_parameter_at_run_time_is_refused_and_the_old_value_stays(graph, change, words):
+    controller = graph.start(CONTROLLER, {**KHEPERA, 'cmd_vel_timeout': 0.0})
+    rates = graph.collect(JointState, 'wheel_rates')
+    commands = graph.publisher(Twist, 'cmd_vel')
+    get = GetParameters.Request(names=[change.name])
+    before = graph.call(GetParameters, f'{CONTROLLER}/get_parameters', get).values[0]
+    answer = graph.call(
+        SetParameters, f'{CONTROLLER}/set_parameters', SetParameters.Request(parameters=[change]))
+    assert not answer.results[0].successful
+    for word in words:
+        assert word in answer.results[0].reason
+        assert word in controller.output
+    after = graph.call(GetParameters, f'{CONTROLLER}/get_parameters', get).values[0]
+    assert repr(after) == repr(before)
+    commands.publish(twist(0.021, 0.0))
+    graph.wait_for(lambda: rates and any(rates[-1].velocity), 'the robot to drive')
+    assert rates[-1].velocity[0] == pytest.approx(1.0, rel=1e-12)
+
+
+def test_a_parameter_of_no_type_is_refused_and_what_comes_before_it_holds(graph):
+    controller = graph.start(CONTROLLER, {**KHEPERA, 'cmd_vel_timeout': 0.0})
+    odd = double('wheel_separation', 0.3)
+    odd.value.type = 99
+    change = [double('wheel_radius', 0.042), odd, double('wheel_separation', 0.2)]
+    answer = graph.call(SetParameters, f'{CONTROLLER}/set_parameters',
+                        SetParameters.Request(parameters=change))
+    assert [result.successful for result in answer.results] == [True, False, False]
+    assert '99' in answer.results[1].reason and '99' in controller.output
+    answer = graph.call(SetParametersAtomically, f'{CONTROLLER}/set_parameters_atomically',
+                        SetParametersAtomically.Request(parameters=change))
+    assert not answer.result.successful and '99' in answer.result.reason
+    names = GetParameters.Request(names=['wheel_radius', 'wheel_separation'])
+    answer = graph.call(GetParameters, f'{CONTROLLER}/get_parameters', names)
+    assert [value.double_value for value in answer.values] == [0.042, KHEPERA['wheel_separation']]
+
+
+def test_geometry_can_be_changed_at_run_time_and_integers_are_accepted_for_doubles(graph):
+    graph.start(CONTROLLER, {**KHEPERA, 'cmd_vel_timeout': 0})
+    rates = graph.collect(JointState, 'wheel_rates')
+    commands = graph.publisher(Twist, 'cmd_vel')
+    commands.publish(twist(0.021, 0.0))
+    graph.wait_for(lambda: rates and any(rates[-1].velocity), 'the robot to drive')
+    for change, expected in (
+            (double('wheel_radius', 0.042), 0.5), (integer('wheel_radius', 1), 0.021)):
+        answer = graph.call(SetParameters, f'{CONTROLLER}/set_parameters',
+                            SetParameters.Request(parameters=[change]))
+        assert answer.results[0].successful
+        graph.wait_for(
+            lambda: rates[-1].velocity[0] == pytest.approx(expected, rel=1e-12), 'new rates')
+
+
+def test_a_typo_in_the_yaml_is_reported_with_what_was_meant(graph, tmp_path):
+    params = tmp_path / 'robot.yaml'
+    params.write_text(
+        '/**:\n  ros__parameters:\n    wheel_radius: 0.021\n    wheel_separation: 0.0885\n'
+        '    wheel_seperation_multiplier: 1.1\n    open_loop: true\n    seed: 3\n')
+    controller = graph.start(CONTROLLER, args=['--ros-args', '--params-file', str(params)])
+    rates = graph.collect(JointState, 'wheel_rates')
+    graph.wait_for(lambda: rates, 'the controller')
+    assert "'wheel_seperation_multiplier' is ignored" in controller.output
+    assert "did you mean 'wheel_separation_multiplier'" in controller.output
+    assert "'open_loop' of ros2_controllers means nothing here" in controller.output
+    assert "'seed'" not in controller.output  # another node's
+
+
+@pytest.mark.parametrize('stamped', [True, False])
+def test_commands_of_the_other_type_are_reported(graph, stamped):
+    controller = graph.start(CONTROLLER, {**KHEPERA, 'enable_stamped_cmd_vel': stamped})
+    graph.node.create_publisher(Twist if stamped else TwistStamped, 'cmd_vel', 1)
+    graph.wait_for(lambda: 'enable_stamped_cmd_vel' in controller.output, 'a report')
+    assert f"carries geometry_msgs/msg/{'Twist' if stamped else 'TwistStamped'}, expected" \
+        in controller.output
+
+
+def test_a_stamped_controller_listens_to_stamped_commands(graph):
+    graph.start(
+        CONTROLLER, {**KHEPERA, 'enable_stamped_cmd_vel': True, 'cmd_vel_timeout': 0.0})
+    rates = graph.collect(JointState, 'wheel_rates')
+    commands = graph.publisher(TwistStamped, 'cmd_vel')
+    commands.publish(twist_stamped(graph.now_ns(), 0.021, 0.0))
+    graph.wait_for(lambda: rates and any(rates[-1].velocity), 'the robot to drive')
+
+
+@pytest.mark.parametrize('name, positions, velocities, words', [
+    (['left_wheel_joint', 'right_wheel_joint'], [], [math.nan, 1.0], 'expected finite numbers'),
+    (['left_wheel_joint', 'right_wheel_joint'], [math.inf, 0.0], [], 'expected finite numbers'),
+    (['left_wheel_joint', 'right_wheel_joint'], [], [1.0], 'velocity has 1 values, expected 2'),
+    (['left_wheel_joint', 'right_wheel_joint'], [], [], 'at least one of them'),
+    (['left_wheel_joint', 'right_wheel_joint'], [], [1.7e308, 1.0], 'expected finite numbers'),
+    (['left_wheel_joint'], [], [1.0], "expected also ['right_wheel_joint']"),
+])
+def test_bad_wheel_motion_is_refused_and_moves_nothing(graph, name, positions, velocities, words):
+    base = graph.start('simulated_base', {**KHEPERA, 'enable_odom_tf': False})
+    joints = graph.collect(JointState, 'joint_states')
+    wheels = graph.publisher(JointState, 'wheel_rates')
+    wheels.publish(JointState(name=name, position=positions, velocity=velocities))
+    graph.wait_for(lambda: words in base.output, 'a report')
+    wheels.publish(JointState(
+        name=['arm', 'left_wheel_joint', 'right_wheel_joint'], velocity=[9.0, 0.0, 0.0]))
+    message = graph.wait_for(lambda: joints, 'joint states')[-1]
+    assert list(message.position) == list(message.velocity) == [0.0, 0.0]
+    assert base.stop(signal.SIGTERM) == 0
+
+
+@pytest.mark.parametrize('parameters, extra, words', [
+    ({'odom_topic': 'bad-topic'}, [], "odom_topic is 'bad-topic', expected a topic name"),
+    ({'wheel_motion_topic': '/r/odom'}, ['-r', '__ns:=/r'], "hear itself on '/r/odom'")])
+def test_wiring_that_cannot_work_is_refused_once_names_are_resolved(
+        graph, parameters, extra, words):
+    base = graph.start('simulated_base', {**KHEPERA, **parameters}, *extra)
+    assert base.wait() == 2
+    assert words in base.output and 'Traceback' not in base.output
+
+
+def test_an_empty_list_in_the_yaml_is_an_empty_list(graph, tmp_path):
+    params = tmp_path / 'course.yaml'
+    params.write_text('/**:\n  ros__parameters:\n    commands: [0.1, 0.0, 0.1]\n'
+                      '    wait_for_topics: []\n')
+    graph.collect(Twist, 'cmd_vel')
+    sequence = graph.start('command_sequence', args=['--ros-args', '--params-file', str(params)])
+    assert graph.wait_for(lambda: not sequence.running, 'the course') and sequence.wait() == 0
+
+
+def test_two_types_of_cmd_vel_in_one_process_are_refused_by_topic(graph, tmp_path):
+    params = tmp_path / 'mixed.yaml'
+    params.write_text(
+        '/**:\n  ros__parameters:\n    wheel_radius: 0.021\n    wheel_separation: 0.0885\n'
+        '    commands: [0.1, 0.0, 1.0]\n    nodes: [command_sequence, diff_drive_controller]\n'
+        'diff_drive_controller:\n  ros__parameters:\n    enable_stamped_cmd_vel: true\n')
+    sim = graph.start('diffdrive_sim', args=['--ros-args', '--params-file', str(params)])
+    assert sim.wait() == 2
+    assert "'/cmd_vel' cannot carry TwistStamped" in sim.output
+    assert 'Traceback' not in sim.output

@@ -1,0 +1,155 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Outputs of base and controller: frames, joints, limits, timeouts."""
+
+import importlib.util
+import math
+
+from geometry_msgs.msg import Twist, TwistStamped
+from nav_msgs.msg import Odometry
+import pytest
+from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
+from rcl_interfaces.srv import SetParameters
+from sensor_msgs.msg import JointState
+from std_msgs.msg import Float64MultiArray
+from support.graph import KHEPERA, set_stamp, stamp_ns, twist
+
+JOINTS = ['left_wheel_joint', 'right_wheel_joint']
+
+
+def wheel_rates(time_ns, left, right):
+    message = JointState(name=JOINTS, velocity=[left, right])
+    set_stamp(message, time_ns)
+    return message
+
+
+def test_odometry_has_its_frames_initial_pose_covariances_and_twist_in_the_robots_frame(graph):
+    graph.start('simulated_base', {
+        **KHEPERA, 'initial_pose': [1.0, 2.0, math.pi / 2], 'odom_frame_id': 'map',
+        'base_frame_id': 'robot', 'enable_odom_tf': False, 'command_timeout': 0.0,
+        'pose_covariance_diagonal': [1.0, 2.0, 3.0, 4.0, 5.0, 6.0]})
+    odometry = graph.collect(Odometry, 'odom')
+    graph.publisher(JointState, 'wheel_rates').publish(wheel_rates(graph.now_ns(), 1.0, 1.0))
+    message = graph.wait_for(
+        lambda: odometry and odometry[-1].pose.pose.position.y > 2.01 and odometry[-1], 'motion')
+    assert (message.header.frame_id, message.child_frame_id) == ('map', 'robot')
+    assert message.pose.pose.position.x == pytest.approx(1.0, abs=1e-12)
+    assert message.twist.twist.linear.x == pytest.approx(0.021, rel=1e-12)
+    assert message.twist.twist.linear.y == 0.0
+    assert list(message.pose.covariance[::7]) == [1.0, 2.0, 3.0, 4.0, 5.0, 6.0]
+
+
+def test_joint_states_carry_accumulated_positions_and_can_be_switched_off(graph):
+    graph.start('simulated_base', {**KHEPERA, 'enable_odom_tf': False, 'command_timeout': 0.0})
+    graph.start('simulated_base', {
+        **KHEPERA, 'odom_topic': 'ground_truth', 'joint_states_topic': '',
+        'enable_odom_tf': False}, '-r', '__node:=ground_truth')
+    joints = graph.collect(JointState, 'joint_states')
+    truth = graph.collect(Odometry, 'ground_truth')
+    wheels = graph.publisher(JointState, 'wheel_rates', listeners=2)
+    start = graph.now_ns()
+    wheels.publish(wheel_rates(start, 2.0, -1.0))
+    message = graph.wait_for(
+        lambda: joints and joints[-1].position[0] > 0.1 and joints[-1], 'rolling')
+    seconds = (stamp_ns(message) - start) / 1e9
+    assert list(message.position) == pytest.approx([2.0 * seconds, -seconds], rel=1e-12)
+    assert list(message.velocity) == [2.0, -1.0]
+    graph.wait_for(lambda: truth, 'ground truth')
+    assert graph.node.count_publishers('joint_states') == 1
+
+
+def test_the_wheels_stop_exactly_at_the_last_stamp_plus_the_timeout(graph):
+    graph.start('simulated_base', {**KHEPERA, 'enable_odom_tf': False, 'command_timeout': 0.3})
+    joints = graph.collect(JointState, 'joint_states')
+    graph.publisher(JointState, 'wheel_rates').publish(wheel_rates(graph.now_ns(), 2.0, 4.0))
+    message = graph.wait_for(
+        lambda: joints and list(joints[-1].velocity) == [0.0, 0.0] and joints[-1], 'the stop')
+    assert list(message.position) == pytest.approx([0.6, 1.2], rel=1e-12)
+
+
+def test_a_missing_tf2_msgs_is_one_warning_and_the_rest_runs_on(graph):
+    if importlib.util.find_spec('tf2_msgs'):
+        pytest.skip('tf2_msgs is installed')
+    base = graph.start('simulated_base', KHEPERA)
+    odometry = graph.collect(Odometry, 'odom')
+    graph.publisher(JointState, 'wheel_rates').publish(wheel_rates(graph.now_ns(), 1.0, 1.0))
+    graph.wait_for(lambda: len(odometry) > 3, 'odometry')
+    assert base.output.count('the package tf2_msgs is missing') == 1
+
+
+def test_rates_come_as_a_float64_multi_array_too_where_the_yaml_asks_for_it(graph):
+    graph.start('diff_drive_controller', {
+        **KHEPERA, 'left_wheel_names': ['fl', 'rl'], 'right_wheel_names': ['fr', 'rr'],
+        'wheel_commands_topic': 'wheels/commands', 'cmd_vel_timeout': 0.0})
+    arrays = graph.collect(Float64MultiArray, 'wheels/commands')
+    rates = graph.collect(JointState, 'wheel_rates')
+    graph.publisher(Twist, 'cmd_vel').publish(twist(0.021, 0.5))
+    graph.wait_for(lambda: arrays and arrays[-1].data[0] and rates, 'rates')
+    turn = 0.5 * 0.0885 / 2.0 / 0.021
+    assert list(arrays[-1].data) == pytest.approx(
+        [1.0 - turn, 1.0 - turn, 1.0 + turn, 1.0 + turn], rel=1e-12)
+    assert list(rates[-1].name) == ['fl', 'rl', 'fr', 'rr']
+
+
+def test_the_drive_brakes_through_the_limiter_after_the_timeout(graph):
+    graph.start('diff_drive_controller', {
+        **KHEPERA, 'cmd_vel_timeout': 0.2, 'publish_limited_velocity': True,
+        'linear.x.max_acceleration': 2.0, 'linear.x.max_deceleration': -0.5})
+    out = graph.collect(TwistStamped, 'cmd_vel_out')
+    graph.wait_for(lambda: out, 'the first limited velocity')
+    graph.publisher(Twist, 'cmd_vel').publish(twist(0.1, 0.0))
+    graph.wait_for(lambda: any(message.twist.linear.x == 0.1 for message in out), 'full speed')
+    graph.wait_for(lambda: out[-1].twist.linear.x == 0.0, 'the stop')
+    braking = [(stamp_ns(message), message.twist.linear.x) for message in out]
+    full = max(time for time, v in braking if v == 0.1)
+    stopped = min(time for time, v in braking if v == 0.0 and time > full)
+    speeds = sorted(
+        {round(v, 12) for time, v in braking if full <= time <= stopped}, reverse=True)
+    assert speeds == pytest.approx([0.01 * k for k in range(10, -1, -1)], abs=1e-12)
+
+
+def test_both_wheels_are_scaled_by_one_factor_at_the_wheel_rate_bound(graph):
+    graph.start('diff_drive_controller', {
+        **KHEPERA, 'max_wheel_rate': 5.0, 'cmd_vel_timeout': 0.0})
+    rates = graph.collect(JointState, 'wheel_rates')
+    graph.publisher(Twist, 'cmd_vel').publish(twist(0.42, 4.0))
+    graph.wait_for(lambda: rates and rates[-1].velocity[0], 'rates')
+    turn = 4.0 * 0.0885 / 2.0 / 0.021
+    left, right = rates[-1].velocity
+    assert right == 5.0
+    assert left / right == pytest.approx((20.0 - turn) / (20.0 + turn), rel=1e-12)
+
+
+def test_a_change_of_geometry_and_of_the_rate_at_run_time_keeps_the_pose(graph):
+    graph.start('simulated_base', {**KHEPERA, 'enable_odom_tf': False})
+    odometry = graph.collect(Odometry, 'odom')
+    wheels = graph.publisher(JointState, 'wheel_rates')
+    start = graph.now_ns() - 500_000_000
+    message = JointState(name=JOINTS, position=[0.0, 0.0])
+    for offset, angle in ((0, 0.0), (100_000_000, 1.0)):
+        set_stamp(message, start + offset)
+        message.position = [angle, angle]
+        wheels.publish(message)
+    graph.wait_for(lambda: odometry and odometry[-1].pose.pose.position.x > 0.0, 'motion')
+    graph.call(SetParameters, 'simulated_base/set_parameters', SetParameters.Request(parameters=[
+        Parameter(name=name, value=ParameterValue(
+            type=ParameterType.PARAMETER_DOUBLE, double_value=value))
+        for name, value in (('wheel_radius', 0.042), ('publish_rate', 200.0))]))
+    set_stamp(message, graph.now_ns())
+    message.position = [2.0, 2.0]
+    wheels.publish(message)
+    moved = graph.wait_for(
+        lambda: odometry[-1].pose.pose.position.x > 0.05 and odometry[-1], 'motion')
+    assert moved.pose.pose.position.x == pytest.approx(0.021 + 0.042, abs=1e-12)

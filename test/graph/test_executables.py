@@ -1,0 +1,131 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Each executable starts, ends cleanly on SIGINT and SIGTERM, and the demo shows its table."""
+
+from pathlib import Path
+import re
+import signal
+
+from geometry_msgs.msg import Twist
+from nav_msgs.msg import Odometry
+import pytest
+from sensor_msgs.msg import JointState
+from support.graph import KHEPERA, twist
+
+CONFIG = Path(__file__).parents[2] / 'config'
+SIGNALS = [signal.SIGINT, signal.SIGTERM]
+EXECUTABLES = {
+    'diff_drive_controller': KHEPERA,
+    'wheel_noise': {'wheel_radius': 0.021},
+    'simulated_base': KHEPERA,
+    'wheel_odometry': KHEPERA,
+    'command_sequence': {'commands': [0.1, 0.0, 60.0]},
+    'forward_projection': KHEPERA,
+    'goal_steering': {},
+    'robot_description': KHEPERA,
+    'diffdrive_sim': {'clock_step': 0.0},
+}
+
+
+@pytest.mark.parametrize('number', SIGNALS, ids=lambda number: number.name)
+@pytest.mark.parametrize('name', EXECUTABLES)
+def test_an_executable_ends_with_status_0_and_no_traceback(graph, name, number):
+    process = graph.start(name, EXECUTABLES[name])
+    graph.wait_for(
+        lambda: name in graph.node.get_node_names() or not process.running, f'{name} to start')
+    assert process.running, process.output
+    assert process.stop(number) == 0, process.output
+    assert 'Traceback' not in process.output
+
+
+@pytest.mark.parametrize('name', EXECUTABLES)
+def test_a_second_signal_does_not_cut_the_end_short(graph, name):
+    process = graph.start(name, EXECUTABLES[name])
+    graph.wait_for(lambda: name in graph.node.get_node_names(), f'{name} to start')
+
+    def asked():
+        process.send(signal.SIGINT)
+        return not process.running
+
+    graph.wait_for(asked, 'the end')
+    assert process.wait() == 0, process.output
+    assert 'Traceback' not in process.output
+
+
+def test_the_demo_shows_progress_and_ends_with_belief_truth_and_drift(graph):
+    demo = graph.start('diffdrive_sim', args=[])
+    assert demo.wait() == 0
+    lines = demo.output.splitlines()
+    assert sum(' of 24.0 s ' in line for line in lines) == 11
+    belief, truth, drift = (
+        next(line for line in lines if line.startswith(start))
+        for start in ('belief (/simulated_base)', 'truth (/ground_truth)', 'drift'))
+    assert belief.split()[-3:] == ['0.0000', '0.0000', '0.00']  # a closed course
+    x, y, yaw = map(float, truth.split()[-3:])
+    millimetres, turn = re.search(r'([\d.]+) mm +(-?[\d.]+)$', drift).groups()
+    assert float(millimetres) == pytest.approx(1000.0 * (x * x + y * y) ** 0.5, abs=0.1)
+    assert float(turn) == pytest.approx(yaw, abs=0.01)
+    assert float(millimetres) > 1.0
+
+
+@pytest.mark.parametrize('number', SIGNALS, ids=lambda number: number.name)
+def test_a_simulation_without_a_sequence_says_how_to_drive_and_runs_until_asked_to_stop(
+        graph, number):
+    sim = graph.start(
+        'diffdrive_sim', args=['--ros-args', '--params-file', str(CONFIG / 'noiseless.yaml')])
+    odometry = graph.collect(Odometry, 'odom')
+    graph.wait_for(lambda: "geometry_msgs/msg/Twist on '/cmd_vel'" in sim.output, 'the advice')
+    graph.publisher(Twist, 'cmd_vel').publish(twist(0.1, 0.0))
+    graph.wait_for(lambda: odometry and odometry[-1].pose.pose.position.x > 0.0, 'motion')
+    assert sim.stop(number) == 0
+    assert 'Traceback' not in sim.output
+
+
+def test_noisy_odom_has_the_noise_in_odom_itself(graph):
+    graph.start(
+        'diffdrive_sim', args=['--ros-args', '--params-file', str(CONFIG / 'noisy_odom.yaml')])
+    odometry = graph.collect(Odometry, 'odom')
+    graph.publisher(Twist, 'cmd_vel').publish(twist(0.1, 0.0))
+    graph.wait_for(lambda: odometry and odometry[-1].pose.pose.position.y != 0.0, 'drift')
+
+
+def test_robot_yaml_turns_the_robots_joint_states_into_odometry(graph):
+    graph.start(
+        'diffdrive_sim', args=['--ros-args', '--params-file', str(CONFIG / 'robot.yaml')])
+    odometry = graph.collect(Odometry, 'odom')
+    rates = graph.collect(JointState, 'wheel_rates')
+    joints = graph.publisher(JointState, 'joint_states')
+    message = JointState(name=['wheel_right_joint', 'wheel_left_joint'])
+    for position in ([5.0, 5.0], [6.0, 6.0]):
+        message.header.stamp = graph.node.get_clock().now().to_msg()
+        message.position = position
+        joints.publish(message)
+    moved = graph.wait_for(lambda: odometry and odometry[-1].pose.pose.position.x and odometry[-1],
+                           'odometry')
+    assert moved.pose.pose.position.x == pytest.approx(0.033, abs=1e-12)
+    assert moved.child_frame_id == 'base_footprint'
+    graph.publisher(Twist, 'cmd_vel').publish(twist(9.0, 0.0))
+    limit = pytest.approx(0.22 / 0.033, rel=1e-12)
+    graph.wait_for(lambda: rates and rates[-1].velocity[0] == limit, 'the limit')
+
+
+@pytest.mark.parametrize('attempt', range(3))
+def test_a_controller_that_is_asked_to_stop_leaves_the_wheels_at_zero(graph, attempt):
+    controller = graph.start('diff_drive_controller', {**KHEPERA, 'cmd_vel_timeout': 0.0})
+    rates = graph.collect(JointState, 'wheel_rates')
+    graph.publisher(Twist, 'cmd_vel').publish(twist(0.1, 0.0))
+    graph.wait_for(lambda: rates and any(rates[-1].velocity), 'the robot to drive')
+    assert controller.stop() == 0
+    graph.wait_for(lambda: list(rates[-1].velocity) == [0.0, 0.0], 'the last word')

@@ -1,0 +1,185 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Processes that die and come back mid-drive, a second publisher, and clocks that jump."""
+
+from pathlib import Path
+import signal
+
+from diffdrive_kinematics.nodes.simulated_base import SimulatedBase
+from geometry_msgs.msg import Twist
+from nav_msgs.msg import Odometry
+import pytest
+from rosgraph_msgs.msg import Clock
+from sensor_msgs.msg import JointState
+from support.graph import KHEPERA, set_stamp, twist
+from support.inside import inside, START_NS
+
+SPEED = 0.2  # [m/s]
+JOINTS = ['left_wheel_joint', 'right_wheel_joint']
+
+
+def x_of(odometry):
+    return odometry[-1].pose.pose.position.x
+
+
+def driven(graph, odometry, commands, distance):
+    """Drive at SPEED, command after command, a distance on; return the x [m] that was passed."""
+    graph.wait_for(lambda: odometry, 'odometry')
+    end = x_of(odometry) + distance
+
+    def there():
+        commands.publish(twist(SPEED, 0.0))
+        return x_of(odometry) > end
+
+    graph.wait_for(there, f'x > {end}')
+    return end
+
+
+def assert_no_jump(odometry, longest=0.1):
+    """Compare the way between messages with what could be driven in half a second."""
+    xs = [message.pose.pose.position.x for message in odometry]
+    assert len(xs) > 20
+    assert max(abs(b - a) for a, b in zip(xs, xs[1:])) < longest
+
+
+@pytest.mark.parametrize('number', [signal.SIGINT, signal.SIGKILL], ids=['SIGINT', 'SIGKILL'])
+def test_a_controller_that_is_restarted_mid_drive_causes_no_jump(graph, number):
+    graph.start('simulated_base', {**KHEPERA, 'enable_odom_tf': False})
+    controller = graph.start('diff_drive_controller', KHEPERA)
+    odometry = graph.collect(Odometry, 'odom')
+    commands = graph.publisher(Twist, 'cmd_vel')
+    driven(graph, odometry, commands, 0.4)
+    controller.stop(number)
+    graph.start('diff_drive_controller', KHEPERA)
+    driven(graph, odometry, commands, 0.3)
+    assert_no_jump(odometry)
+
+
+def test_a_noise_node_that_is_restarted_mid_drive_causes_no_jump_of_the_truth(graph):
+    graph.start('diff_drive_controller', KHEPERA)
+    noise = graph.start('wheel_noise', {'wheel_radius': 0.021})
+    graph.start('simulated_base', {
+        **KHEPERA, 'enable_odom_tf': False, 'wheel_motion_topic': 'noisy_wheel_rates'})
+    truth = graph.collect(Odometry, 'odom')
+    commands = graph.publisher(Twist, 'cmd_vel')
+    driven(graph, truth, commands, 0.4)
+    noise.stop(signal.SIGKILL)
+    graph.start('wheel_noise', {'wheel_radius': 0.021})
+    driven(graph, truth, commands, 0.3)
+    assert_no_jump(truth)
+
+
+def test_a_second_idle_controller_does_not_move_the_pose(graph):
+    graph.start('simulated_base', {**KHEPERA, 'enable_odom_tf': False})
+    graph.start('diff_drive_controller', KHEPERA)
+    odometry = graph.collect(Odometry, 'odom')
+    commands = graph.publisher(Twist, 'cmd_vel')
+    passed = driven(graph, odometry, commands, 0.4)
+    graph.start('diff_drive_controller', {**KHEPERA, 'cmd_vel_topic': 'other'})
+    rates = graph.collect(JointState, 'wheel_rates')
+    graph.wait_for(
+        lambda: len({message.header.frame_id for message in rates[-9:]}) == 2, 'both of them')
+    assert x_of(odometry) > passed
+    assert_no_jump(odometry)
+
+
+def test_joint_states_of_a_clock_that_is_ahead_count_from_their_second_message_on(graph):
+    base = graph.start('simulated_base', {
+        **KHEPERA, 'enable_odom_tf': False, 'extrapolate_positions': False})
+    odometry = graph.collect(Odometry, 'odom')
+    wheels = graph.publisher(JointState, 'wheel_rates')
+    ahead = graph.now_ns() + 3_000_000_000
+    for number in range(9):
+        message = JointState(name=JOINTS, position=[float(number), float(number)])
+        set_stamp(message, ahead + number * 20_000_000)
+        wheels.publish(message)
+    graph.wait_for(
+        lambda: odometry and x_of(odometry) == pytest.approx(8 * 0.021, abs=1e-12), 'motion')
+    assert base.stop() == 0
+
+
+def test_a_course_on_simulated_time_takes_a_step_back_of_the_clock_as_no_time(graph):
+    simulated = {'use_sim_time': True}
+    graph.start('diff_drive_controller', {
+        **KHEPERA, **simulated, 'enable_stamped_cmd_vel': False, 'cmd_vel_timeout': 0.0})
+    graph.start('simulated_base', {**KHEPERA, **simulated, 'enable_odom_tf': False})
+    odometry = graph.collect(Odometry, 'odom')
+    clock = graph.node.create_publisher(Clock, '/clock', 1)
+    sequence = graph.start('command_sequence', {
+        **simulated, 'commands': [0.1, 0.0, 2.0], 'wait_for_topics': ['odom']})
+    time = {'now': 100.0, 'stepped': False}
+
+    def ticking():
+        time['now'] += 0.005
+        if odometry and x_of(odometry) > 0.1 and not time['stepped']:
+            time.update(now=time['now'] - 50.0, stepped=True)
+        message = Clock()
+        message.clock.sec, message.clock.nanosec = divmod(round(time['now'] * 1e9), 10**9)
+        clock.publish(message)
+        return not sequence.running
+
+    graph.wait_for(ticking, 'the course')
+    assert sequence.wait() == 0
+    assert 'the clock was stepped by' in sequence.output
+    assert x_of(odometry) == pytest.approx(0.2, abs=0.03)
+
+
+def test_limits_of_robot_yaml_hold_in_a_namespace(graph):
+    config = Path(__file__).parents[2] / 'config' / 'robot.yaml'
+    graph.start('diff_drive_controller', args=[
+        '--ros-args', '--params-file', str(config), '-r', '__ns:=/robot1'])
+    rates = graph.collect(JointState, '/robot1/wheel_rates')
+    commands = graph.publisher(Twist, '/robot1/cmd_vel')
+
+    def at_the_limit():
+        commands.publish(twist(9.0, 0.0))
+        return rates and rates[-1].velocity[0] == pytest.approx(0.22 / 0.033, rel=1e-12)
+
+    graph.wait_for(at_the_limit, 'full speed')
+    assert max(message.velocity[0] for message in rates) <= 0.22 / 0.033
+
+
+def test_the_watchdog_does_not_wait_for_the_next_repeat(graph):
+    graph.start('diff_drive_controller', {
+        **KHEPERA, 'publish_rate': 0.01, 'cmd_vel_timeout': 0.2})
+    rates = graph.collect(JointState, 'wheel_rates')
+    commands = graph.publisher(Twist, 'cmd_vel')
+
+    def driving():
+        commands.publish(twist(SPEED, 0.0))
+        return rates and any(rates[-1].velocity)
+
+    graph.wait_for(driving, 'the robot to drive')
+    graph.wait_for(lambda: not any(rates[-1].velocity), 'the stop')
+
+
+def test_a_clock_that_follows_the_step_of_the_publishers_clock_moves_nothing():
+    """The wheels are told by the new clock first; on /clock that is a matter of chance."""
+    with inside(SimulatedBase, {
+            **KHEPERA, 'enable_odom_tf': False, 'command_timeout': 0.0}) as held:
+        def roll(time_ns):
+            message = JointState(name=JOINTS, velocity=[10.0, 10.0])
+            set_stamp(message, time_ns)
+            held.hear('/wheel_rates', message)
+
+        roll(START_NS)
+        back = START_NS - 500 * 10**9
+        roll(back)
+        held.clock.advance_to(back)
+        roll(back + 20_000_000)
+        held.clock.advance_to(back + 20_000_000)
+        way = 10.0 * 0.02 * KHEPERA['wheel_radius']
+        assert held.node.reading().pose.x == pytest.approx(way, abs=1e-12)
+        assert held.node.counts['clock steps'] == held.node.counts['clock step'] == 1

@@ -1,0 +1,219 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Simulated time that has not begun, or stands: nothing moves without a live command."""
+
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from geometry_msgs.msg import Twist
+from nav_msgs.msg import Odometry
+import pytest
+from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
+from rcl_interfaces.srv import SetParameters
+from rosgraph_msgs.msg import Clock
+from sensor_msgs.msg import JointState
+from support.graph import KHEPERA, stamp_ns, twist
+
+SIMULATED = {**KHEPERA, 'use_sim_time': True}
+WAITING = 'waiting for /clock, use_sim_time is true'
+NODES = {
+    'diff_drive_controller': KHEPERA, 'wheel_noise': {'wheel_radius': 0.021},
+    'simulated_base': {**KHEPERA, 'enable_odom_tf': False},
+    'command_sequence': {'commands': [0.1, 0.0, 60.0]}, 'forward_projection': KHEPERA}
+RAMPS = {'linear.x.max_acceleration': 0.5}
+SPEED = 0.2  # [m/s]
+JOINTS = ['left_wheel_joint', 'right_wheel_joint']
+
+
+class SimulatedTime:
+    """A /clock that goes on while the test waits, until it is stopped."""
+
+    def __init__(self, graph):
+        self._graph = graph
+        self._publisher = graph.node.create_publisher(Clock, '/clock', 1)
+        self.now_ns = 3600 * 10**9
+
+    def go_on(self):
+        self.now_ns += 10_000_000
+        message = Clock()
+        message.clock.sec, message.clock.nanosec = divmod(self.now_ns, 10**9)
+        self._publisher.publish(message)
+
+    def wait_for(self, condition, what):
+        def on():
+            self.go_on()
+            return condition()
+        return self._graph.wait_for(on, what)
+
+
+def moving(rates):
+    return [message for message in rates if any(message.velocity)]
+
+
+def drive(graph, time, rates, commands, v):
+    """Drive at a speed, with commands and time going on."""
+    def at_speed():
+        commands.publish(twist(v, 0.0))
+        return rates and rates[-1].velocity[0] == pytest.approx(v / 0.021, rel=1e-9)
+
+    time.wait_for(at_speed, 'the robot to drive')
+
+
+def assert_no_stamp_falls(rates):
+    told = [(stamp_ns(message), *message.velocity) for message in rates]
+    assert [pair for pair in zip(told, told[1:]) if pair[0][0] > pair[1][0]] == []
+
+
+def test_every_node_says_that_its_clock_has_not_begun_and_hands_on_no_motion(graph):
+    processes = [graph.start(name, {
+        **parameters, 'use_sim_time': True, 'diagnostics_rate': 5.0})
+        for name, parameters in NODES.items()]
+    problems = {}
+    graph.collect(DiagnosticArray, '/diagnostics', lambda message: problems.update(
+        {status.name: (status.level, status.message) for status in message.status}))
+    outputs = [graph.collect(JointState, topic) for topic in (
+        'wheel_rates', 'noisy_wheel_rates', 'joint_states')]
+    odometry = graph.collect(Odometry, 'odom')
+    commands = graph.publisher(Twist, 'cmd_vel')
+    wheels = graph.publisher(JointState, 'wheel_rates', listeners=4)
+
+    def told():
+        commands.publish(twist(SPEED, 0.0))
+        wheels.publish(JointState(name=JOINTS, velocity=[1.0, 1.0]))
+        return (all(WAITING in process.output for process in processes)
+                and set(problems) == {f'/{name}' for name in NODES})
+
+    graph.wait_for(told, 'all of them to say so')
+    for level, message in problems.values():
+        assert level == DiagnosticStatus.WARN and WAITING in message
+    own = [message for message in outputs[0] if message.header.frame_id]  # those of the controller
+    assert own == outputs[1] == outputs[2] == odometry == []
+
+
+def test_a_command_from_before_the_clock_is_not_obeyed_when_it_begins_but_the_next_one_is(graph):
+    controller = graph.start('diff_drive_controller', {**SIMULATED, 'cmd_vel_timeout': 0.0})
+    rates = graph.collect(JointState, 'wheel_rates')
+    commands = graph.publisher(Twist, 'cmd_vel')
+    commands.publish(twist(SPEED, 0.0))
+    graph.wait_for(lambda: WAITING in controller.output, 'a report')
+    time = SimulatedTime(graph)
+    time.wait_for(lambda: len(rates) > 25, 'rates')
+    assert moving(rates) == []
+    drive(graph, time, rates, commands, SPEED)
+
+
+def test_a_command_to_stand_still_takes_effect_before_the_clock_has_begun(graph):
+    graph.start('diff_drive_controller', SIMULATED)
+    rates = graph.collect(JointState, 'wheel_rates')
+    commands = graph.publisher(Twist, 'cmd_vel')
+    commands.publish(twist(0.0, 0.0))
+    graph.wait_for(lambda: rates, 'the stop')
+    assert moving(rates) == []
+
+
+@pytest.mark.parametrize('limits', [{}, RAMPS], ids=['at once', 'ramps'])
+def test_where_neither_commands_come_nor_time_goes_on_the_wheels_are_told_to_stand(graph, limits):
+    controller = graph.start('diff_drive_controller', {**SIMULATED, **limits})
+    base = graph.start('simulated_base', {**SIMULATED, 'enable_odom_tf': False})
+    rates, odometry = graph.collect(JointState, 'wheel_rates'), graph.collect(Odometry, 'odom')
+    commands = graph.publisher(Twist, 'cmd_vel')
+    time = SimulatedTime(graph)
+    time.wait_for(lambda: odometry, 'odometry')
+    drive(graph, time, rates, commands, SPEED)
+    graph.wait_for(lambda: not any(rates[-1].velocity), 'the stop')
+    graph.wait_for(lambda: '/clock stands at' in controller.output, 'a report')
+    last = rates[-1]
+    time.wait_for(lambda: odometry and stamp_ns(odometry[-1]) > stamp_ns(last) + 200_000_000,
+                  'odometry after it')
+    assert_no_stamp_falls(rates)
+    assert odometry[-1].pose.pose.position.x == pytest.approx(
+        rates[-1].position[0] * 0.021, abs=1e-9)
+    assert 'out of order' not in base.output
+
+
+@pytest.mark.parametrize('asked', [0.0, 0.05, -0.1])
+def test_while_time_stands_the_wheels_are_never_faster_than_asked_though_ramps_cannot_go_on(
+        graph, asked):
+    graph.start('diff_drive_controller', {**SIMULATED, **RAMPS, 'cmd_vel_timeout': 0.0})
+    rates = graph.collect(JointState, 'wheel_rates')
+    commands = graph.publisher(Twist, 'cmd_vel')
+    time = SimulatedTime(graph)
+    drive(graph, time, rates, commands, SPEED)
+    driven = len(rates)
+
+    def obeyed():
+        commands.publish(twist(asked, 0.0))
+        v = rates[-1].velocity[0] * 0.021
+        return abs(v) <= abs(asked) and v * asked >= 0.0
+
+    graph.wait_for(obeyed, 'no more than what is asked')
+    still = next(n for n in range(driven, len(rates)) if not any(rates[n].velocity))
+    assert len({tuple(message.velocity) for message in rates[driven:still]}) <= 1
+    assert_no_stamp_falls(rates)
+    drive(graph, time, rates, commands, asked)
+
+
+def test_while_time_stands_a_live_command_is_obeyed_where_no_ramp_has_to_wait(graph):
+    graph.start('diff_drive_controller', SIMULATED)
+    rates = graph.collect(JointState, 'wheel_rates')
+    commands = graph.publisher(Twist, 'cmd_vel')
+    time = SimulatedTime(graph)
+    drive(graph, time, rates, commands, SPEED)
+    for v in (0.1, -0.3, 0.0):
+        def obeyed(v=v):
+            commands.publish(twist(v, 0.0))
+            return rates[-1].velocity[0] == pytest.approx(v / 0.021, rel=1e-9)
+        graph.wait_for(obeyed, f'{v} m/s')
+    assert_no_stamp_falls(rates)
+
+
+@pytest.mark.parametrize('executor', ['events', 'single_threaded'])
+def test_a_clock_that_goes_back_to_its_begin_in_mid_drive_leaves_no_wheel_turning(graph, executor):
+    graph.start('diff_drive_controller', {**SIMULATED, **RAMPS, 'executor': executor})
+    rates = graph.collect(JointState, 'wheel_rates')
+    commands = graph.publisher(Twist, 'cmd_vel')
+    time = SimulatedTime(graph)
+    drive(graph, time, rates, commands, SPEED)
+    time.now_ns = -10_000_000
+
+    def stopped():
+        commands.publish(twist(SPEED, 0.0))
+        return not any(rates[-1].velocity)
+
+    time.go_on()
+    graph.wait_for(stopped, 'the stop')
+    drive(graph, time, rates, commands, SPEED)
+
+
+@pytest.mark.parametrize('limits', [{}, RAMPS], ids=['at once', 'ramps'])
+def test_a_controller_that_is_put_on_a_clock_that_has_not_begun_stops_whatever_is_commanded(
+        graph, limits):
+    controller = graph.start('diff_drive_controller', {**KHEPERA, **limits})
+    rates = graph.collect(JointState, 'wheel_rates')
+    commands = graph.publisher(Twist, 'cmd_vel')
+
+    def driving():
+        commands.publish(twist(SPEED, 0.0))
+        return rates and any(rates[-1].velocity)
+
+    graph.wait_for(driving, 'the robot to drive')
+    graph.call(SetParameters, 'diff_drive_controller/set_parameters', SetParameters.Request(
+        parameters=[Parameter(name='use_sim_time', value=ParameterValue(
+            type=ParameterType.PARAMETER_BOOL, bool_value=True))]))
+
+    def told():
+        commands.publish(twist(SPEED, 0.0))
+        return WAITING in controller.output
+
+    graph.wait_for(told, 'a report')
+    assert not any(rates[-1].velocity)

@@ -1,0 +1,365 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Calibration as its user does it: drive, measure, calibrate, load what it wrote, drive again."""
+
+import math
+import re
+
+from builtin_interfaces.msg import Time
+from diffdrive_kinematics.core.kinematics import (
+    advance, Pose, twist_from_wheel_rates, WheelGeometry)
+from diffdrive_kinematics.core.odometry import WheelSample
+from diffdrive_kinematics.tools.calibration_sources import Collection
+from geometry_msgs.msg import Pose as PoseMsg
+from geometry_msgs.msg import PoseStamped
+from nav_msgs.msg import Odometry
+import numpy as np
+import pytest
+from rclpy.qos import qos_profile_sensor_data
+from rosgraph_msgs.msg import Clock
+from sensor_msgs.msg import JointState
+from std_srvs.srv import Trigger
+from support.graph import KHEPERA, set_stamp
+from support.recorded import RADIUS, RUNS, SEPARATION, TICKS_PER_TURN
+
+SIDE = 12.0 * KHEPERA['wheel_separation']
+ROBOT = f"""
+/**:
+  ros__parameters:
+    wheel_radius: {KHEPERA['wheel_radius']}
+    wheel_separation: {KHEPERA['wheel_separation']}
+    clock_step: 0.02
+    real_time_factor: 0.0
+    enable_odom_tf: false
+/**/diffdrive_sim:
+  ros__parameters:
+    nodes: [command_sequence, diff_drive_controller, wheel_noise, simulated_base,
+            'simulated_base:ground_truth']
+/**/command_sequence:
+  ros__parameters: {{wait_for_topics: [odom, ground_truth], square_side: {SIDE},
+                    square_speed: 0.3, square_yaw_rate: 1.0}}
+"""
+TRUE = """
+/**/wheel_noise:
+  ros__parameters: {left_bias: -0.005, right_bias: 0.00495}
+/**/ground_truth:
+  ros__parameters: {wheel_separation_multiplier: 1.02, wheel_motion_topic: noisy_wheel_rates,
+                    odom_topic: ground_truth, odom_frame_id: map, joint_states_topic: ''}
+"""
+HEADER = 'clockwise,true_x,true_y,odom_x,odom_y\n'
+GEOMETRY = '--ros-args -p wheel_radius:=0.021 -p wheel_separation:=0.0885'.split()
+
+
+def end_positions(report):
+    """Return (true x, true y, odometry's x, y) of the table that a simulation ends with."""
+    rows = {role: re.search(rf'^{role} \(\S+\) +(\S+) +(\S+)', report, re.M).groups()
+            for role in ('belief', 'truth')}
+    return [float(value) for role in ('truth', 'belief') for value in rows[role]]
+
+
+def drive_squares(graph, *files):
+    """Drive the square both ways; return the runs as CSV, and the largest error [m]."""
+    lines, largest = HEADER, 0.0
+    for clockwise in (1, 0):
+        sim = graph.start('diffdrive_sim', args=[
+            '--ros-args', *(part for file in files for part in ('--params-file', str(file))),
+            '-p', f'command_sequence:square_clockwise:={"true" if clockwise else "false"}'])
+        assert sim.wait() == 0, sim.output
+        x, y, odom_x, odom_y = end = end_positions(sim.output)
+        largest = max(largest, math.hypot(x - odom_x, y - odom_y))
+        row = ','.join(map(str, [clockwise, *end])) + '\n'
+        lines += 2 * row  # without slip a second run is the same
+    return lines, largest
+
+
+def test_two_passes_of_umbmark_over_topics_leave_a_fiftieth_of_the_error(graph, tmp_path):
+    robot, true = tmp_path / 'robot.yaml', tmp_path / 'true.yaml'
+    robot.write_text(ROBOT)
+    true.write_text(TRUE)
+    errors, found = [], []
+    for number in range(3):
+        runs, largest = drive_squares(graph, robot, *found[-1:], true)
+        errors.append(largest)
+        measured, written = tmp_path / f'runs{number}.csv', tmp_path / f'found{number}.yaml'
+        measured.write_text(runs)
+        calibrate = graph.start('calibrate', args=[
+            *GEOMETRY, *(part for file in found[-1:] for part in ('--params-file', str(file))),
+            '-p', f'square_runs:={measured}', '-p', f'square_side:={SIDE}',
+            '-p', f'output:={written}'])
+        assert calibrate.wait() == 0, calibrate.output
+        found.append(written)
+    assert errors[0] > 50.0 * errors[2], errors
+    simulated = tmp_path / 'simulated.yaml'  # a robot that calibration alone describes
+    simulated.write_text(TRUE.split('/**/ground_truth')[0].replace('-0.005', '0.0').replace(
+        '0.00495', '0.0') + '/**/ground_truth' + TRUE.split('/**/ground_truth')[1].replace(
+        'wheel_separation_multiplier: 1.02, ', ''))
+    _, left = drive_squares(graph, robot, simulated, found[1])
+    assert left < errors[0] / 50.0
+
+
+@pytest.mark.parametrize('rows, words', [
+    ('1,0.1,0,0,0\n' * 2, 'counterclockwise'),
+    ('1,0.1,0,0,0\n0,0.1,0,0,0\n', 'expected at least 2'),
+    ('1,0.1,0,0,0\n' * 2 + '0,nan,0,0,0\n' * 2, 'nan'),
+    ('1,0.1,x,0,0\n', 'row 1'), ('2,0.1,0.0,0,0\n', 'clockwise is 2.0'), ('', 'no rows'),
+    ('1,9,9,0,0\n' * 2 + '0,9,9,0,0\n' * 2, 'too large')])
+def test_runs_that_allow_no_calibration_are_one_line_and_status_2(graph, tmp_path, rows, words):
+    runs = tmp_path / 'runs.csv'
+    runs.write_text(HEADER + rows)
+    refused(graph, tmp_path, words, f'square_runs:={runs}', 'square_side:=1.0')
+
+
+def refused(graph, directory, words, *settings):
+    """Start ``calibrate``, and see it refuse in one line and write nothing."""
+    before = sorted(directory.iterdir())
+    output = [] if any(each.startswith('output:=') for each in settings) else [
+        f'output:={directory / "found.yaml"}']
+    calibrate = graph.start('calibrate', args=[
+        *GEOMETRY, *(part for each in (*settings, *output) for part in ('-p', each))])
+    assert calibrate.wait() == 2, calibrate.output
+    assert words in calibrate.output, calibrate.output
+    assert len(calibrate.output.strip().splitlines()) == 1, calibrate.output
+    assert sorted(directory.iterdir()) == before
+
+
+def test_a_file_that_exists_and_a_directory_that_does_not_are_refused(graph, tmp_path):
+    runs = tmp_path / 'runs.csv'
+    runs.write_text('clockwise, true_x, true_y, odom_x, odom_y\n'  # as people type it
+                    + '1, -0.03, -0.03, 0, 0\n' * 2 + '0, -0.01, 0.01, 0, 0\n' * 2)
+    square = f'square_runs:={runs}', 'square_side:=1.0'
+    refused(graph, tmp_path, 'which exists', *square, f'output:={runs}')
+    refused(graph, tmp_path, 'directory', *square, f'output:={tmp_path / "no" / "found.yaml"}')
+    refused(graph, tmp_path, 'directory', *square, f'output:={runs / "found.yaml"}')
+    refused(graph, tmp_path, 'directory', *square, f'output:={tmp_path}')
+    refused(graph, tmp_path, 'picture is', *square, f'picture:={tmp_path / "no" / "found.png"}')
+    refused(graph, tmp_path, 'another file than output', *square, *(
+        f'{name}:={tmp_path / "found.png"}' for name in ('output', 'picture')))
+    assert runs.read_text().startswith('clockwise')
+    calibrate = graph.start('calibrate', args=[
+        *GEOMETRY, '-p', square[0], '-p', square[1], '-p', f'output:={runs}', '-p',
+        'overwrite:=true'])
+    assert calibrate.wait() == 0
+    assert 'left_bias' in runs.read_text()
+
+
+TRUTH = {'left_wheel_radius_multiplier': 0.99, 'right_wheel_radius_multiplier': 1.01,
+         'wheel_separation_multiplier': 1.03}
+RATE = 20.0
+
+
+def drive_samples(seconds, seed=3):
+    """Yield (time, wheel angles, reference pose) of a robot with the wheels of TRUTH."""
+    generator = np.random.default_rng(seed)
+    left, right, separation = (
+        KHEPERA['wheel_radius'] * TRUTH['left_wheel_radius_multiplier'],
+        KHEPERA['wheel_radius'] * TRUTH['right_wheel_radius_multiplier'],
+        KHEPERA['wheel_separation'] * TRUTH['wheel_separation_multiplier'])
+    pose, angles = Pose(0.0, 0.0, 0.0), np.zeros(2)
+    for number in range(round(seconds * RATE)):
+        time = number / RATE
+        noise = generator.normal(0.0, [5e-4, 5e-4, 1e-3])
+        yield time, angles, Pose(*(np.array(pose) + noise))
+        rates = np.array([7.0 + 3.0 * math.sin(0.9 * time), 7.0 + 3.0 * math.cos(0.7 * time)])
+        angles = angles + rates / RATE
+        d_left, d_right = rates / RATE * [left, right]
+        pose = advance(pose, 0.5 * (d_left + d_right), (d_right - d_left) / separation)
+
+
+def written_multipliers(text, node):
+    section = text[text.index(f'/**/{node}:'):]
+    return {name: float(re.search(rf'{name}: (\S+)', section)[1]) for name in TRUTH}
+
+
+@pytest.mark.parametrize('reference_type, use_sim_time', [
+    ('odometry', False), ('pose', False), ('pose', True)])
+def test_live_topics_are_collected_until_finish_is_called(
+        graph, tmp_path, reference_type, use_sim_time):
+    written = tmp_path / 'found.yaml'
+    calibrate = graph.start('calibrate', {
+        **KHEPERA, 'output': str(written), 'reference_type': reference_type,
+        'reference_topic': 'tracker', 'use_sim_time': use_sim_time})
+    kind = Odometry if reference_type == 'odometry' else PoseStamped
+    wheels = graph.publisher(JointState, 'joint_states')
+    tracker = graph.publisher(kind, 'tracker')
+    too_early = graph.call(Trigger, 'calibrate/finish', Trigger.Request())
+    assert not too_early.success
+    assert 'expected some' in too_early.message and 'still collecting' in too_early.message
+    start = graph.now_ns()
+    if use_sim_time:
+        set_time = graph.publisher(Clock, '/clock').publish
+        set_time(Clock(clock=Time(sec=start // 10**9)))
+    for time, (left, right), pose in drive_samples(40.0):
+        joints = JointState(name=['right_wheel_joint', 'left_wheel_joint'],
+                            position=[float(right), float(left)])
+        seen = kind()
+        for message in (joints, seen):
+            set_stamp(message, start + round(time * 1e9))
+        at = seen.pose.pose if reference_type == 'odometry' else seen.pose
+        at.position.x, at.position.y = float(pose.x), float(pose.y)
+        at.orientation.z, at.orientation.w = (
+            math.sin(0.5 * pose.theta), math.cos(0.5 * pose.theta))
+        wheels.publish(joints)
+        tracker.publish(seen)
+        graph.executor.spin_once(timeout_sec=0.002)
+    if use_sim_time:  # it passes once, and stands still from there on
+        set_time(Clock(clock=Time(sec=start // 10**9 + 40)))
+    graph.wait_for(lambda: 'deg turned' in calibrate.output, 'a line of what there is')
+    answer = graph.call(Trigger, 'calibrate/finish', Trigger.Request())
+    assert answer.success, answer.message
+    assert answer.message == f'wrote {written}'
+    again = graph.call(Trigger, 'calibrate/finish', Trigger.Request())
+    assert (again.success, again.message) == (True, answer.message)
+    assert (calibrate.stop() if reference_type == 'odometry' else calibrate.wait()) == 0
+    assert 'nothing is written' not in calibrate.output
+    assert calibrate.output.count('wrote') == 1
+    assert 'std. error' in calibrate.output
+    text = written.read_text()
+    assert text.index('/**:') < text.index('/**/')
+    for node in ('diff_drive_controller', 'wheel_odometry', 'simulated_base', 'calibrate'):
+        assert written_multipliers(text, node) == pytest.approx(TRUTH, rel=3e-3)
+    assert float(re.search(r'right_bias: (\S+)', text)[1]) == pytest.approx(0.01, abs=3e-3)
+
+
+@pytest.mark.parametrize('sources', [('a', 'b'), ('', '')], ids=['simulation', 'bag'])
+def test_a_run_whose_time_begins_anew_is_not_laid_beside_the_reference_of_the_one_before(sources):
+    collection = Collection()
+    for run, source in enumerate(sources):
+        for number in range(100 - 40 * run):
+            stamp_ns = 10**9 + number * 10**8
+            collection.add_wheels(WheelSample(stamp_ns, None, (1.0, 1.0), source=source))
+            pose = PoseMsg()
+            pose.position.x = 10.0 * run + number
+            collection.add_reference(
+                Time(sec=stamp_ns // 10**9, nanosec=stamp_ns % 10**9), pose)
+    first, second = collection.drives()
+    assert first.reference[0, 0] == 0.0 and len(first.reference) == 100
+    assert second.reference[0, 0] == 10.0 and len(second.reference) == 60
+    assert '160 samples of the wheels, 160 of the reference' in collection.summary(
+        WheelGeometry(0.1, 0.05))
+
+
+def test_wheels_and_a_reference_of_different_clocks_are_named_as_such():
+    collection = Collection()
+    for number in range(1, 10):
+        collection.add_wheels(WheelSample(number * 10**9, None, (1.0, 1.0)))
+        collection.add_reference(Time(sec=5000 + number), PoseMsg())
+    with pytest.raises(ValueError, match='1.000 to 9.000 s .* 5001.000 to 5009.000 s'):
+        collection.drives()
+
+
+def test_a_reference_that_is_published_as_sensor_data_is_heard(graph, tmp_path):
+    calibrate = graph.start('calibrate', {
+        **KHEPERA, 'output': str(tmp_path / 'found.yaml'), 'reference_type': 'pose',
+        'reference_topic': 'tracker'})
+    graph.wait_for(lambda: 'collecting' in calibrate.output, 'the start')
+    tracker = graph.node.create_publisher(PoseStamped, 'tracker', qos_profile_sensor_data)
+
+    def heard():
+        seen = PoseStamped()
+        set_stamp(seen, graph.now_ns())
+        tracker.publish(seen)
+        return re.search('[1-9][0-9]* of the reference', calibrate.output)
+    graph.wait_for(heard, 'a line that counts the reference')
+
+
+def test_a_collection_that_is_interrupted_writes_nothing(graph, tmp_path):
+    calibrate = graph.start('calibrate', {**KHEPERA, 'output': str(tmp_path / 'found.yaml')})
+    graph.wait_for(lambda: 'collecting' in calibrate.output, 'the start')
+    assert calibrate.stop() == 0
+    assert 'nothing is written' in calibrate.output
+    assert not list(tmp_path.iterdir())
+
+
+def files_of(directory, header, rows, poses):
+    """Write a recording and its reference; return the settings that name them."""
+    recording, reference = directory / 'drive.csv', directory / 'poses.csv'
+    recording.write_text('\n'.join([header, *(','.join(map(str, row)) for row in rows)]) + '\n')
+    reference.write_text('\n'.join(
+        ['time_sec,x,y,yaw', *(','.join(map(str, pose)) for pose in poses)]) + '\n')
+    return f'recordings:=[{recording}]', f'references:=[{reference}]'
+
+
+def test_files_of_every_kind_of_motion_find_the_wheels(graph, tmp_path):
+    samples = list(drive_samples(60.0))
+    times = [time for time, _, _ in samples]
+    angles = np.array([angle for _, angle, _ in samples])
+    poses = [(time, *pose) for time, _, pose in samples]
+    rates = np.vstack([np.diff(angles, axis=0) * RATE, np.zeros(2)])
+    twists = np.stack(twist_from_wheel_rates(
+        WheelGeometry(KHEPERA['wheel_separation'], KHEPERA['wheel_radius']), *rates.T), axis=1)
+    for header, columns, more in (
+            ('time_sec,left_position,right_position', angles, ()),
+            ('time_sec,left_rate,right_rate', rates, ()),
+            ('time_sec,linear_x,angular_z', twists, ()),
+            ('time_sec,left_ticks,right_ticks', angles * 500.0,
+             (f'encoder_resolution:={500.0 * math.tau}',))):
+        written = tmp_path / 'found.yaml'
+        settings = files_of(
+            tmp_path, header, [(time, *row) for time, row in zip(times, columns)], poses)
+        calibrate = graph.start('calibrate', args=[*GEOMETRY, *(
+            part for each in (*settings, *more, f'output:={written}', 'overwrite:=true')
+            for part in ('-p', each))])
+        assert calibrate.wait() == 0, calibrate.output
+        assert written_multipliers(written.read_text(), 'wheel_odometry') == pytest.approx(
+            TRUTH, rel=2e-3), header
+
+
+def test_of_rows_with_one_stamp_the_last_wins_and_the_table_counts_them(graph, tmp_path):
+    samples = list(drive_samples(40.0))
+    rows = [(time, *angles) for time, angles, _ in samples]
+    rows.insert(200, (rows[200][0], 1e3, -1e3))
+    settings = files_of(tmp_path, 'time_sec,left_position,right_position', rows,
+                        [(time, *pose) for time, _, pose in samples])
+    written = tmp_path / 'found.yaml'
+    calibrate = graph.start('calibrate', args=[*GEOMETRY, *(
+        part for each in (*settings, f'output:={written}') for part in ('-p', each))])
+    assert calibrate.wait() == 0, calibrate.output
+    assert '1 rows were replaced' in calibrate.output
+    assert written_multipliers(written.read_text(), 'wheel_odometry') == pytest.approx(
+        TRUTH, rel=3e-3)
+
+
+STRAIGHT = [(0.1 * n, 0.5 * n, 0.5 * n) for n in range(300)]
+BESIDE = [(0.1 * n, 0.0105 * n, 0.0, 0.0) for n in range(300)]
+HEADER_OF_POSITIONS = 'time_sec,left_position,right_position'
+
+
+@pytest.mark.parametrize('header, rows, poses, words', [
+    (HEADER_OF_POSITIONS, STRAIGHT, BESIDE, 'wheel_separation_multiplier'),
+    (HEADER_OF_POSITIONS, STRAIGHT[:50] + STRAIGHT[40:], BESIDE, 'do not fall'),
+    (HEADER_OF_POSITIONS, [(0.0, math.nan, 0.0), *STRAIGHT[1:]], BESIDE, 'row 1'),
+    (HEADER_OF_POSITIONS, STRAIGHT, [*BESIDE[:7], (0.7, math.inf, 0.0, 0.0)], 'row 8'),
+    (HEADER_OF_POSITIONS, [], BESIDE, '0 rows'), ('', [], BESIDE, 'columns'),
+    (HEADER_OF_POSITIONS, STRAIGHT, [], '0 rows'),
+    ('time_sec,left_ticks,right_ticks', STRAIGHT, BESIDE, 'encoder_resolution'),
+    ('time_sec,speed', [(0.0, 1.0)], BESIDE, 'one kind of motion')],
+    ids=['straight', 'unsorted', 'nan', 'inf', 'empty', 'nothing', 'no_poses', 'ticks', 'columns'])
+def test_drives_that_allow_no_calibration_are_one_line_and_status_2(
+        graph, tmp_path, header, rows, poses, words):
+    refused(graph, tmp_path, words, *files_of(tmp_path, header, rows, poses))
+
+
+def test_a_recorded_robot_is_calibrated_and_its_picture_drawn(graph, tmp_path):
+    pytest.importorskip('matplotlib')
+    written, picture = tmp_path / 'found.yaml', tmp_path / 'found.svg'
+    calibrate = graph.start('calibrate', args=[
+        '--ros-args', '-p', f'wheel_radius:={RADIUS}', '-p', f'wheel_separation:={SEPARATION}',
+        '-p', f'encoder_resolution:={TICKS_PER_TURN}', '-p', 'tick_increments:=true',
+        '-p', f"recordings:=[{', '.join(map(str, RUNS))}]", '-p', f'output:={written}',
+        '-p', f'picture:={picture}'])
+    assert calibrate.wait() == 0, calibrate.output
+    assert picture.read_bytes().startswith(b'<?xml')
+    found = written_multipliers(written.read_text(), 'wheel_odometry')
+    assert found['wheel_separation_multiplier'] == pytest.approx(1.006, abs=0.003)

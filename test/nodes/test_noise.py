@@ -1,0 +1,137 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Statistics of the noise node, measured on its topics."""
+
+import math
+
+import numpy as np
+import pytest
+from sensor_msgs.msg import JointState
+from support.graph import set_stamp, stamp_ns
+
+RADIUS = 0.021
+SETTINGS = {
+    'wheel_radius': RADIUS, 'left_bias': 0.02, 'right_bias': -0.01, 'left_slip_variance': 4e-6,
+    'right_slip_variance': 1e-6, 'seed': 7}
+JOINTS = ['left_wheel_joint', 'right_wheel_joint']
+MESSAGES = 2401
+Z_999 = 3.2905  # two-sided 99.9 % quantile of the standard normal
+IN_FLIGHT = 8
+
+
+def chi_square_bounds(degrees):
+    """Return the central 99.9 % interval of chi-square over its degrees (Wilson & Hilferty)."""
+    width = Z_999 * math.sqrt(2.0 / (9.0 * degrees))
+    return tuple((1.0 - 2.0 / (9.0 * degrees) + sign * width) ** 3 for sign in (-1.0, 1.0))
+
+
+def rates_of(number):
+    """Return wheel rates (left, right) [rad/s]: forward, reverse, turning, with rests."""
+    if number % 50 == 49:
+        return 0.0, 0.0
+    return 4.0 + math.sin(0.01 * number), -6.0 - math.cos(0.02 * number)
+
+
+def warm_up(graph, inputs, outputs, message, end):
+    """Let the wheels rest until the outputs are heard; then forget these."""
+    stamps = iter(range(end - 900_000_000, end, 1_000_000))
+
+    def heard():
+        set_stamp(message, next(stamps))
+        inputs.publish(message)
+        return outputs
+
+    graph.wait_for(heard, 'the noise node')
+    last = stamp_ns(message)
+    graph.wait_for(lambda: stamp_ns(outputs[-1]) == last, 'the end of the rest')
+    outputs.clear()
+
+
+def pass_through(graph, rate, settings=SETTINGS, messages=MESSAGES):
+    """Send wheel rates with stamps at a rate [Hz] through a noise node; return what comes out."""
+    noise = graph.start('wheel_noise', settings)
+    outputs = graph.collect(JointState, 'noisy_wheel_rates')
+    inputs = graph.publisher(JointState, 'wheel_rates')
+    message = JointState(name=JOINTS, velocity=[0.0, 0.0])
+    start, period = 1_000_000_000_000, round(1e9 / rate)
+    warm_up(graph, inputs, outputs, message, start)
+    for number in range(messages):
+        set_stamp(message, start + number * period)
+        message.velocity = list(rates_of(number))
+        inputs.publish(message)
+        graph.wait_for(lambda: len(outputs) > number - IN_FLIGHT, f'output {number}')
+    graph.wait_for(lambda: len(outputs) == messages, 'all outputs')
+    assert noise.stop() == 0
+    graph.node.destroy_publisher(inputs)
+    for subscription in list(graph.node.subscriptions):
+        graph.node.destroy_subscription(subscription)
+    return outputs
+
+
+@pytest.mark.parametrize('rate', [20.0, 100.0])
+def test_bias_and_slip_have_the_mean_and_variance_that_were_set(graph, rate):
+    outputs = pass_through(graph, rate)
+    positions = np.array([message.position for message in outputs])
+    effective = RADIUS * np.diff(positions, axis=0)
+    nominal = RADIUS / rate * np.array([rates_of(number) for number in range(MESSAGES - 1)])
+    low, high = chi_square_bounds(MESSAGES - 1 - (MESSAGES - 1) // 50)
+    for wheel, side in enumerate(('left', 'right')):
+        moving = nominal[:, wheel] != 0.0
+        assert np.all(effective[~moving, wheel] == 0.0)
+        d = nominal[moving, wheel]
+        bias, k = SETTINGS[f'{side}_bias'], SETTINGS[f'{side}_slip_variance']
+        e = (effective[moving, wheel] - (1.0 + bias) * d) / np.sqrt(k * np.abs(d))
+        assert abs(e.mean()) < Z_999 / math.sqrt(len(e))
+        assert low < (e ** 2).mean() < high
+        gain = np.sum(effective[moving, wheel]) / np.sum(d) - 1.0
+        spread = math.sqrt(k * np.sum(np.abs(d))) / abs(np.sum(d))
+        assert abs(gain - bias) < Z_999 * spread
+
+
+def test_velocity_is_the_rate_times_what_the_interval_past_made_of_its_travel(graph):
+    outputs = pass_through(graph, 20.0, messages=60)
+    for number, (before, message) in enumerate(zip(outputs, outputs[1:]), start=1):
+        for wheel in range(2):
+            asked, nominal = rates_of(number)[wheel], rates_of(number - 1)[wheel] / 20.0
+            if nominal == 0.0:
+                bias = SETTINGS['left_bias'], SETTINGS['right_bias']
+                ratio = 1.0 + bias[wheel]
+            else:
+                ratio = (message.position[wheel] - before.position[wheel]) / nominal
+            assert message.velocity[wheel] == pytest.approx(asked * ratio, rel=1e-9)
+    stamps = list(map(stamp_ns, outputs))
+    assert stamps == sorted(set(stamps))
+
+
+def test_same_seed_and_input_give_the_same_output_bit_for_bit(graph):
+    def bits(seed):
+        outputs = pass_through(graph, 50.0, {**SETTINGS, 'seed': seed}, messages=300)
+        return [(stamp_ns(message), *map(float.hex, (*message.position, *message.velocity)))
+                for message in outputs]
+
+    assert bits(3) == bits(3)
+    assert bits(3) != bits(4)
+
+
+def test_bounded_slip_has_the_variance_that_was_set_and_stays_within_its_bounds(graph):
+    outputs = pass_through(graph, 50.0, {**SETTINGS, 'slip_distribution': 'uniform'})
+    positions = np.array([[0.0, 0.0], *(message.position for message in outputs[1:])])
+    effective = RADIUS * np.diff(positions, axis=0)[:, 0]
+    nominal = RADIUS / 50.0 * np.array([rates_of(number)[0] for number in range(MESSAGES - 1)])
+    d, effective = nominal[nominal != 0.0], effective[nominal != 0.0]
+    e = (effective - (1.0 + SETTINGS['left_bias']) * d) / np.sqrt(
+        SETTINGS['left_slip_variance'] * np.abs(d))
+    assert np.max(np.abs(e)) <= math.sqrt(3.0) * (1.0 + 1e-6)
+    assert np.mean(e**2) == pytest.approx(1.0, abs=Z_999 * math.sqrt(0.8 / len(e)))

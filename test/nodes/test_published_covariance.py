@@ -1,0 +1,218 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""What odometry publishes about its own uncertainty, and whether it can be believed."""
+
+import math
+
+from diffdrive_kinematics.core.kinematics import (
+    Pose, travel_from_angles, WheelGeometry, wrap_angle)
+from diffdrive_kinematics.core.noise import (
+    heading_variance, NO_COVARIANCE, propagated_covariance, sample_heading, twist_covariance)
+from nav_msgs.msg import Odometry
+import numpy as np
+import pytest
+from sensor_msgs.msg import JointState
+from std_msgs.msg import Empty
+from support.graph import KHEPERA, set_stamp, stamp_ns
+
+JOINTS = ['left_wheel_joint', 'right_wheel_joint']
+GEOMETRY = WheelGeometry(KHEPERA['wheel_separation'], KHEPERA['wheel_radius'])
+SLIP = {'left_slip_variance': 2e-6, 'right_slip_variance': 1e-6}
+RATES = (3.0, 5.0)
+FLOOR = 1e-9
+PLANAR = np.ix_([0, 1, 5], [0, 1, 5])
+RUNS = 50
+MEAN_NEES_OF_50 = (1.99, 4.27)  # chi^2 of 150 degrees of freedom over 50, 99.9 %
+CHI2_3 = 16.27  # of 99.9 %, with 3 degrees of freedom
+COURSE = [0.1, 0.0, 4.0, 0.0, math.pi / 4, 2.0] * 4 + [0.0, 0.0, 6.0]  # a square, and a rest
+
+
+def moving_base(graph, settings, rates=RATES):
+    """Start a base whose wheels turn for ever; return (an odometry message, seconds)."""
+    graph.start('simulated_base', {
+        **KHEPERA, 'initial_pose': [1.0, 2.0, 2.0], 'enable_odom_tf': False,
+        'command_timeout': 0.0, **settings})
+    odometry = graph.collect(Odometry, 'odom')
+    start = graph.now_ns()
+    wheels = graph.publisher(JointState, 'wheel_rates')
+    message = JointState(name=JOINTS, velocity=list(rates))
+    set_stamp(message, start)
+    wheels.publish(message)
+
+    def driven():
+        """Repeat the rates: one message that came late would be one of another clock."""
+        set_stamp(message, graph.now_ns())
+        wheels.publish(message)
+        return odometry and stamp_ns(odometry[-1]) > start + 500_000_000 and odometry[-1]
+
+    last = graph.wait_for(driven, 'half a second of odometry')
+    return last, (stamp_ns(last) - start) / 1e9
+
+
+def matrix(covariance):
+    return np.array(covariance).reshape(6, 6)
+
+
+def test_the_pose_has_the_covariance_of_its_path_in_the_axes_of_the_fixed_frame(graph):
+    message, seconds = moving_base(graph, SLIP)
+    travel = (KHEPERA['wheel_radius'] * rate * seconds for rate in RATES)
+    _, covariance = propagated_covariance(
+        NO_COVARIANCE, Pose(1.0, 2.0, 2.0), GEOMETRY, *travel, *SLIP.values())
+    published = matrix(message.pose.covariance)
+    assert published[PLANAR] - FLOOR * np.eye(3) == pytest.approx(
+        covariance.matrix(), rel=1e-9, abs=1e-18)
+
+
+def test_the_twist_has_the_covariance_of_its_period(graph):
+    message, _ = moving_base(graph, {**SLIP, 'publish_rate': 20.0})
+    published = matrix(message.twist.covariance)
+    rolled = [k * rate * KHEPERA['wheel_radius'] for k, rate in zip(SLIP.values(), RATES)]
+    assert published[0, 0] - FLOOR == pytest.approx(sum(rolled) * 20.0 / 4.0, rel=1e-6)
+    assert published[5, 5] - FLOOR == pytest.approx(
+        sum(rolled) * 20.0 / KHEPERA['wheel_separation']**2, rel=1e-6)
+    assert published[0, 5] == published[5, 0] == pytest.approx(
+        twist_covariance(GEOMETRY, RATES, *SLIP.values(), 0.05).vw, rel=1e-12)
+
+
+@pytest.mark.parametrize('settings', [SLIP, {}], ids=['slip', 'no_slip'])
+def test_no_variance_is_zero_and_none_is_inflated(graph, settings):
+    message, _ = moving_base(graph, {**settings, 'covariance_floor': 1e-8})
+    for field, observed in ((message.pose, {0, 1, 5}), (message.twist, {0, 5})):
+        published = matrix(field.covariance)
+        assert np.array_equal(published, published.T)
+        for i in range(6):
+            if i in observed:
+                assert 1e-8 <= published[i, i] < 0.01
+            else:
+                assert published[i, i] == 1e-8
+                assert not np.any(np.delete(published[i], i))
+
+
+def test_a_fixed_diagonal_takes_the_place_of_the_slip(graph):
+    message, _ = moving_base(graph, {
+        **SLIP, 'pose_covariance_diagonal': [1.0, 2.0, 3.0, 4.0, 5.0, 6.0],
+        'twist_covariance_diagonal': [6.0, 5.0, 4.0, 3.0, 2.0, 1.0]})
+    assert np.array_equal(
+        matrix(message.pose.covariance), np.diag([1.0, 2.0, 3.0, 4.0, 5.0, 6.0]))
+    assert np.array_equal(
+        matrix(message.twist.covariance), np.diag([6.0, 5.0, 4.0, 3.0, 2.0, 1.0]))
+
+
+def test_variances_that_are_none_per_metre_are_not_taken_for_such(graph):
+    message, _ = moving_base(graph, {**SLIP, 'slip_model': 'command'})
+    assert np.array_equal(matrix(message.pose.covariance), FLOOR * np.eye(6))
+    assert np.array_equal(matrix(message.twist.covariance), FLOOR * np.eye(6))
+
+
+def test_the_base_publishes_the_covariance_that_the_slip_makes_along_its_arcs(graph):
+    graph.start('simulated_base', {
+        **KHEPERA, **SLIP, 'enable_odom_tf': False, 'extrapolate_positions': False,
+        'velocity_rolling_window_size': 1})
+    odometry = graph.collect(Odometry, 'odom')
+    wheels = graph.publisher(JointState, 'wheel_rates')
+    start, pose, expected = graph.now_ns() - 10**9, Pose(0.0, 0.0, 0.0), NO_COVARIANCE
+    before = (0.0, 0.0)
+    for number, angles in enumerate([(0.0, 0.0), (3.0, 4.0), (9.0, 8.0), (8.0, 9.0)]):
+        message = JointState(name=JOINTS, position=list(angles))
+        set_stamp(message, start + number * 100_000_000)
+        wheels.publish(message)
+        travel = travel_from_angles(GEOMETRY, angles[0] - before[0], angles[1] - before[1])
+        pose, expected = propagated_covariance(
+            expected, pose, GEOMETRY, *travel, *SLIP.values())
+        before = angles
+    message = graph.wait_for(
+        lambda: odometry and odometry[-1].pose.pose.position.x == pytest.approx(
+            pose.x, abs=1e-12) and odometry[-1], 'the end')
+    published = np.reshape(message.pose.covariance, (6, 6))
+    block = published[np.ix_((0, 1, 5), (0, 1, 5))]
+    assert block == pytest.approx(expected.matrix() + FLOOR * np.eye(3), rel=1e-9, abs=1e-18)
+    assert np.all(np.diag(published) >= FLOOR)
+    assert message.twist.twist.linear.x == pytest.approx(0.0)  # positions: a rate, no motion on
+
+
+@pytest.mark.parametrize('seed', [-1, 5])
+def test_an_uncertain_heading_is_published_or_drawn(graph, seed):
+    message, _ = moving_base(graph, {
+        'initial_heading_concentration': 100.0, 'initial_heading_seed': seed}, (0.0, 0.0))
+    variance = matrix(message.pose.covariance)[5, 5] - FLOOR
+    yaw = planar(message)[2]
+    if seed < 0:
+        assert yaw == pytest.approx(2.0, abs=1e-12)
+        assert variance == pytest.approx(heading_variance(100.0), rel=1e-9)
+    else:
+        generator = np.random.default_rng(seed)
+        assert yaw == pytest.approx(sample_heading(2.0, 100.0, generator), abs=1e-12)
+        assert variance == pytest.approx(0.0, abs=1e-12)
+
+
+def params_file(path):
+    """Write the parameters of one robot that is believed, and of 50 true runs of it."""
+    members = ['command_sequence', 'diff_drive_controller', 'simulated_base']
+    for run in range(RUNS):
+        members += [f'wheel_noise:run{run}/noise', f'simulated_base:run{run}/truth']
+    lines = {
+        '/**': {
+            **KHEPERA, **SLIP, 'clock_step': 0.1, 'real_time_factor': 0.0, 'publish_rate': 10.0,
+            'enable_odom_tf': False, 'joint_states_topic': "''", 'nodes': members},
+        '/command_sequence': {'commands': COURSE, 'wait_for_topics': ['odom', 'go']},
+        '/**/noise': {'input_topic': '/wheel_rates'},
+        '/**/truth': {
+            'wheel_motion_topic': 'noisy_wheel_rates', 'odom_topic': 'ground_truth',
+            'odom_frame_id': 'map', 'publish_rate': 1.0},
+        **{f'/run{run}/noise': {'seed': run} for run in range(RUNS)}}
+    path.write_text('\n'.join(
+        f'{name}:\n  ros__parameters:\n' + '\n'.join(
+            f'    {key}: {str(value).lower() if isinstance(value, bool) else value}'
+            for key, value in values.items())
+        for name, values in lines.items()))
+    return path
+
+
+def planar(message):
+    pose = message.pose.pose
+    yaw = 2.0 * math.atan2(pose.orientation.z, pose.orientation.w)
+    return np.array([pose.position.x, pose.position.y, yaw])
+
+
+def test_belief_is_consistent_with_truth_over_50_runs_of_the_nodes(graph, tmp_path):
+    """
+    Drive a square once; the robot believes one thing, 50 seeded noises make 50 truths of it.
+
+    The belief does not depend on the noise, so one node stands for that of all runs.
+    """
+    topics = ['odom', *(f'run{run}/ground_truth' for run in range(RUNS))]
+    last = {}
+    for topic in topics:
+        graph.collect(Odometry, topic, lambda message, topic=topic: last.update({topic: message}))
+    go = graph.publisher(Empty, 'go', listeners=0)
+    sim = graph.start(
+        'diffdrive_sim',
+        args=['--ros-args', '--params-file', str(params_file(tmp_path / 'runs.yaml'))])
+    graph.wait_for(lambda: len(last) == len(topics) or not sim.running, 'odometry of all')
+    graph.play_out(sim, go)
+    belief = last['odom']
+    rest = stamp_ns(belief) - 5_500_000_000
+    graph.wait_for(lambda: all(stamp_ns(message) > rest for message in last.values()), 'the rest')
+    assert not any(message.twist.twist.linear.x for message in last.values())
+    errors = np.array([planar(last[topic]) - planar(belief) for topic in topics[1:]])
+    errors[:, 2] = wrap_angle(errors[:, 2])
+    covariance = matrix(belief.pose.covariance)[PLANAR]
+    white = np.linalg.solve(np.linalg.cholesky(covariance), errors.T)
+    nees = float(np.mean(np.sum(white**2, axis=0)))
+    mean_statistic = RUNS * float(np.sum(np.mean(white, axis=1)**2))
+    print(f'mean NEES {nees:.3f}, mean error {mean_statistic:.2f}, '
+          f'yaw std {math.sqrt(covariance[2, 2]):.4f} rad')
+    assert MEAN_NEES_OF_50[0] < nees < MEAN_NEES_OF_50[1]
+    assert mean_statistic < CHI2_3

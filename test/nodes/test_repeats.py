@@ -1,0 +1,90 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""How often the controller says what: it repeats nothing that it has said just now."""
+
+from diffdrive_kinematics.nodes.diff_drive_controller import DiffDriveController
+import pytest
+from sensor_msgs.msg import JointState
+from support.graph import KHEPERA, stamp_ns, twist
+from support.inside import inside, START_NS
+
+MS = 10**6
+PERIOD = 20 * MS  # of publish_rate 50
+CALM = {'diagnostics_rate': 0.0, 'cmd_vel_timeout': 0.0}
+
+
+def play(held, seconds, command_at, *, jitter=lambda n: 0):
+    """Let time pass in steps of 1 ms, with a command that varies whenever it is time for one."""
+    sent = 0
+    for ms in range(1, 1000 * seconds + 1):
+        held.advance_to(START_NS + ms * MS + jitter(ms))
+        if command_at(ms):
+            sent += 1
+            held.hear('/cmd_vel', twist(0.1 + 0.001 * (sent % 7), 0.0))
+    return held.said['/wheel_rates']
+
+
+@pytest.mark.parametrize('phase', range(1, 20, 3))
+def test_commands_at_the_rate_of_the_repeats_are_not_repeated(phase):
+    with inside(DiffDriveController, {**KHEPERA, **CALM}) as held:
+        said = play(held, 2, lambda ms: ms % 20 == phase)
+    assert len(said) == pytest.approx(100, abs=3)
+
+
+@pytest.mark.parametrize('command_rate', [1, 5, 10, 25, 50, 100])
+def test_the_rate_that_is_set_is_kept_whatever_the_rate_of_commands(command_rate):
+    period = 1000 // command_rate
+    with inside(DiffDriveController, {**KHEPERA, **CALM}) as held:
+        said = play(held, 2, lambda ms: ms % period == 7 % period)
+    gaps = [stamp_ns(b) - stamp_ns(a) for a, b in zip(said, said[1:])]
+    assert len(said) == pytest.approx(2 * max(50, command_rate), abs=4)
+    assert max(gaps) < 2 * PERIOD
+
+
+def test_ticks_that_jitter_repeat_what_no_command_has_said():
+    with inside(DiffDriveController, {**KHEPERA, **CALM}) as held:
+        said = play(held, 2, lambda ms: False, jitter=lambda ms: ms * 7919 % 1000 * 900)
+    assert len(said) == 100
+
+
+def test_what_was_said_exactly_a_period_ago_is_repeated():
+    with inside(DiffDriveController, {**KHEPERA, **CALM}) as held:
+        said = play(held, 1, lambda ms: ms == 500)
+        changed = next(n for n, message in enumerate(said) if any(message.velocity))
+        assert stamp_ns(said[changed]) == START_NS + 500 * MS
+        assert stamp_ns(said[changed + 1]) == START_NS + 520 * MS
+
+
+def test_each_step_of_a_ramp_is_said_once():
+    with inside(DiffDriveController, {
+            **KHEPERA, **CALM, 'linear.x.max_acceleration': 0.1}) as held:
+        said = play(held, 1, lambda ms: ms == 7)
+        ramp = [message.velocity[0] for message in said if any(message.velocity)]
+    assert len(ramp) == len(set(ramp)) == 50
+
+
+def test_at_50_hz_of_commands_about_50_messages_a_second_go_out(graph, tmp_path):
+    """With real processes; it were a hundred if each were repeated."""
+    rows = (f'{n / 50.0},{0.1 + 0.001 * (n % 7)},0.0\n' for n in range(200))
+    recording = tmp_path / 'varying.csv'
+    recording.write_text('time_sec,linear_x,angular_z\n' + ''.join(rows))
+    graph.start('diff_drive_controller', KHEPERA)
+    graph.start('command_sequence', {'recording': str(recording)})
+    rates = graph.collect(JointState, 'wheel_rates')
+    graph.wait_for(lambda: rates and any(rates[-1].velocity), 'the robot to drive')
+    begin = len(rates)
+    graph.wait_for(lambda: len(rates) > begin + 100, 'rates')
+    seconds = (stamp_ns(rates[-1]) - stamp_ns(rates[begin])) / 1e9
+    assert len(rates) - begin < 70.0 * seconds

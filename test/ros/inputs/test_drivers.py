@@ -1,0 +1,168 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Drivers as they are, over the topics: other clocks, wrong velocities, positions alone."""
+
+import math
+
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from diffdrive_kinematics.core.odometry import Contradiction
+from diffdrive_kinematics.nodes.simulated_base import SimulatedBase
+from diffdrive_kinematics.ros.inputs.driver_watch import clock_text, velocity_text
+from nav_msgs.msg import Odometry
+import pytest
+from sensor_msgs.msg import JointState
+from support.graph import KHEPERA, set_stamp
+from support.inside import inside, START_NS
+
+JOINTS = ['left_wheel_joint', 'right_wheel_joint']
+BASE = {**KHEPERA, 'enable_odom_tf': False, 'diagnostics_rate': 20.0}
+RADIUS = KHEPERA['wheel_radius']
+RATE = 5.0  # [rad/s]
+WARN = DiagnosticStatus.WARN
+
+
+class Drive:
+    """A driver that tells each time it is asked to, on its own clock."""
+
+    def __init__(self, graph, *, offset_s=0.0, velocity=None, positions=True, topic='wheel_rates'):
+        self._graph, self._offset_ns = graph, round(offset_s * 1e9)
+        self._velocity, self._positions = velocity, positions
+        self._publisher = graph.publisher(JointState, topic)
+        self._start_ns = graph.now_ns()
+
+    def tell(self, standing=False):
+        """Publish what the wheels do now."""
+        now_ns = self._graph.now_ns()
+        angle = RATE * (now_ns - self._start_ns) / 1e9
+        rate = 0.0 if standing else RATE
+        message = JointState(name=JOINTS)
+        if self._positions:
+            message.position = [angle, angle]
+        if self._velocity is not None:
+            message.velocity = [self._velocity * rate] * 2
+        set_stamp(message, now_ns - self._offset_ns)
+        self._publisher.publish(message)
+
+
+def problems(graph):
+    """Return a list to which each (level, message, values) of the base is added."""
+    statuses = []
+
+    def handle(message):
+        statuses.extend((status.level, status.message, {
+            pair.key: pair.value for pair in status.values}) for status in message.status)
+
+    graph.collect(DiagnosticArray, '/diagnostics', handle)
+    return statuses
+
+
+def until(graph, drive, condition, what, seconds=0.02):
+    """Let the driver tell, a little apart, until a condition holds."""
+    last_ns = 0
+
+    def told():
+        nonlocal last_ns
+        if graph.now_ns() - last_ns > seconds * 1e9:
+            last_ns = graph.now_ns()
+            drive.tell()
+        return condition()
+
+    return graph.wait_for(told, what)
+
+
+@pytest.mark.parametrize('offset_s', [1_600_000_000.0, 0.6, -3600.0],
+                         ids=['since boot', 'late', 'ahead'])
+def test_a_driver_with_another_clock_moves_the_robot_and_is_reported_once_and_as_a_warning(
+        graph, offset_s):
+    base = graph.start('simulated_base', BASE)
+    odometry = graph.collect(Odometry, 'odom')
+    statuses = problems(graph)
+    graph.wait_for(lambda: statuses, 'the base')
+    drive = Drive(graph, offset_s=offset_s, velocity=1.0, positions=False)
+    until(graph, drive, lambda: any('another' in text or 'clock that is' in text or
+                                    'stamped by a clock' in text
+                                    for level, text, _ in statuses if level == WARN), 'the report')
+    assert odometry[-1].twist.twist.linear.x == pytest.approx(RATE * RADIUS)
+    values = statuses[-1][2]
+    assert float(values['stamps are behind by [s]']) == pytest.approx(offset_s, abs=1.0)
+    until(graph, drive, lambda: len(odometry) > 200, 'more of it')
+    assert base.output.count('stamped by a clock') == 1
+    moved = [message.pose.pose.position.x for message in odometry]
+    assert all(a <= b for a, b in zip(moved, moved[1:]))
+    drive.tell(standing=True)
+    graph.wait_for(lambda: odometry[-1].twist.twist.linear.x == 0.0, 'the stop')
+
+
+def test_velocities_in_rpm_are_reported_with_their_factor_and_the_unit_and_not_used(graph):
+    base = graph.start('simulated_base', BASE)
+    odometry = graph.collect(Odometry, 'odom')
+    statuses = problems(graph)
+    graph.wait_for(lambda: statuses, 'the base')
+    drive = Drive(graph, velocity=30.0 / math.pi)
+    until(graph, drive, lambda: any('in rpm?' in text for level, text, _ in statuses
+                                    if level == WARN), 'the report')
+    assert 'is 9.55 times what the positions say' in base.output
+    assert base.output.count('in rpm?') == 1
+    assert statuses[-1][2]['velocities and positions'] == 'disagree'
+    assert odometry[-1].twist.twist.linear.x == pytest.approx(RATE * RADIUS, rel=0.2)
+
+
+def test_positions_alone_ten_times_a_second_are_published_as_of_the_stamp():
+    with inside(SimulatedBase, {**BASE, 'publish_rate': 50.0}) as held:
+        for number in range(40):
+            now_ns = START_NS + number * 50_000_000
+            held.advance_to(now_ns)
+            if number % 2 == 0:
+                message = JointState(name=JOINTS, position=[RATE * number * 0.05] * 2)
+                set_stamp(message, now_ns)
+                held.hear('/wheel_rates', message)
+            reading = held.node.reading()
+            if number > 10:
+                assert reading.pose.x == pytest.approx(RATE * RADIUS * number * 0.05, abs=1e-9)
+                assert reading.twist[0] == pytest.approx(RATE * RADIUS)
+
+
+def test_a_counter_that_wraps_is_a_jump_for_a_base_that_nobody_set_up():
+    with inside(SimulatedBase, BASE) as held:
+        tick = math.tau / 2048
+        for number in range(400):
+            now_ns = START_NS + number * 20_000_000
+            held.advance_to(now_ns)
+            count = (number * 100 + 32768) % 65536 - 32768
+            message = JointState(name=JOINTS, position=[count * tick] * 2)
+            set_stamp(message, now_ns)
+            held.hear('/wheel_rates', message)
+        assert held.node.counts['jump'] == 1
+        assert held.node.reading().angles[0] == pytest.approx(399 * 100 * tick, abs=1e-6)
+
+
+@pytest.mark.parametrize('offset_s, words', [
+    (1.7e9, 'behind ours, stamps are mapped by that: does its sender stamp the time since boot'),
+    (-1.7e9, 'ahead of ours, stamps are mapped by that: is use_sim_time true here'),
+    (0.6, '0.600 s behind ours'), (-5.0, '5.000 s ahead of ours')])
+def test_what_is_said_of_another_clock_says_how_far_and_what_to_do(offset_s, words):
+    assert words in clock_text(round(offset_s * 1e9), '/joint_states')
+
+
+@pytest.mark.parametrize('told, rolled, words', [
+    (95.49, 10.0, 'is 9.55 times what the positions say: in rpm?'),
+    (-95.49, 10.0, 'in rpm, with the other sign?'), (573.0, 10.0, 'in deg/s?'),
+    (1.59, 10.0, 'in turns/s?'), (0.33, 10.0, 'in m/s?'), (-10.0, 10.0, 'the wrong sign?'),
+    (0.0, 10.0, 'is it never filled in?'), (2000.0, 10.0, 'in ticks, or another unit?'),
+    (20.0, 0.0, 'is it a set point, or what is configured?')])
+def test_what_is_said_of_wrong_velocities_names_the_likely_reason(told, rolled, words):
+    text = velocity_text(Contradiction('left', told, rolled), 0.033, '/joint_states')
+    assert words in text
+    assert "velocity of the left wheel on '/joint_states'" in text

@@ -1,0 +1,169 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Commands that are old when they come: by their stamps, or out of the queue of a process."""
+
+import signal
+import time
+
+from geometry_msgs.msg import Twist, TwistStamped
+import pytest
+from sensor_msgs.msg import JointState
+from support.graph import KHEPERA, stamp_ns, twist, twist_stamped
+from support.health import collect, wait_for_level, WARN
+
+CONTROLLER = 'diff_drive_controller'
+STAMPED = {**KHEPERA, 'enable_stamped_cmd_vel': True}
+HOUR_NS = 3600 * 10**9
+MS = 10**6
+SPEED = 0.2  # [m/s]
+# shared memory of a process that is stopped is taken for broken now and then
+UDP = {'FASTDDS_BUILTIN_TRANSPORTS': 'UDPv4'}
+EXECUTORS = pytest.mark.parametrize('executor', ['events', 'single_threaded'])
+
+
+def turning(rates):
+    return [message for message in rates if any(message.velocity)]
+
+
+def at(rates, v):
+    return rates and rates[-1].velocity[0] == pytest.approx(v / 0.021, rel=1e-9)
+
+
+def test_a_command_of_an_hour_ago_moves_nothing_and_is_counted_and_reported(graph):
+    controller = graph.start(CONTROLLER, {**STAMPED, 'diagnostics_rate': 10.0})
+    statuses = collect(graph, f'/{CONTROLLER}')
+    rates = graph.collect(JointState, 'wheel_rates')
+    commands = graph.publisher(TwistStamped, 'cmd_vel')
+    commands.publish(twist_stamped(graph.now_ns() - HOUR_NS, SPEED, 0.0))
+    values = wait_for_level(graph, statuses, WARN, 'old commands: 1 more, 1 in all')[2]
+    assert values['old commands'] == '1' and values['timeouts'] == '0'
+    assert 's old, cmd_vel_timeout is 0.5' in controller.output
+    assert 'cmd_vel_clock_offset' in controller.output
+    assert turning(rates) == []
+    commands.publish(twist_stamped(graph.now_ns(), SPEED, 0.0))
+    graph.wait_for(lambda: turning(rates), 'a command of now')
+
+
+def test_a_command_from_before_a_stop_that_was_carried_out_moves_nothing(graph):
+    controller = graph.start(CONTROLLER, {**STAMPED, 'cmd_vel_timeout': 60.0})
+    rates = graph.collect(JointState, 'wheel_rates')
+    commands = graph.publisher(TwistStamped, 'cmd_vel')
+    begin = graph.now_ns()
+    commands.publish(twist_stamped(begin, SPEED, 0.0))
+    graph.wait_for(lambda: at(rates, SPEED), 'the robot to drive')
+    commands.publish(twist_stamped(begin + 2 * MS, 0.0, 0.0))
+    graph.wait_for(lambda: at(rates, 0.0), 'the stop')
+    stopped = len(rates)
+    commands.publish(twist_stamped(begin + MS, SPEED, 0.0))
+    graph.wait_for(lambda: 'before the last one obeyed' in controller.output, 'a report')
+    graph.wait_for(lambda: len(rates) > stopped + 5, 'rates after it')
+    assert turning(rates[stopped:]) == []
+    commands.publish(twist_stamped(begin + 2 * MS, -SPEED, 0.0))  # not older: another thought
+    graph.wait_for(lambda: at(rates, -SPEED), 'the next command')
+
+
+def test_a_stamp_from_the_future_does_not_lock_out_what_follows(graph):
+    graph.start(CONTROLLER, STAMPED)
+    rates = graph.collect(JointState, 'wheel_rates')
+    commands = graph.publisher(TwistStamped, 'cmd_vel')
+    commands.publish(twist_stamped(graph.now_ns() + HOUR_NS, SPEED, 0.0))
+    graph.wait_for(lambda: at(rates, SPEED), 'the command of the future')
+    commands.publish(twist_stamped(graph.now_ns(), -SPEED, 0.0))
+    graph.wait_for(lambda: at(rates, -SPEED), 'the command of now')
+
+
+@pytest.mark.parametrize('offset', [3600.0, float('nan')])
+def test_clocks_that_are_known_to_be_apart_are_no_age(graph, offset):
+    controller = graph.start(CONTROLLER, {
+        **STAMPED, 'cmd_vel_clock_offset': '.nan' if offset != offset else offset})
+    rates = graph.collect(JointState, 'wheel_rates')
+    commands = graph.publisher(TwistStamped, 'cmd_vel')
+    commands.publish(twist_stamped(graph.now_ns() - HOUR_NS, SPEED, 0.0))
+    graph.wait_for(lambda: at(rates, SPEED), 'the robot to drive')
+    assert 'ignored' not in controller.output
+
+
+@EXECUTORS
+def test_what_lay_in_the_queue_while_the_process_was_stopped_is_not_driven(graph, executor):
+    controller = graph.start(CONTROLLER, {**KHEPERA, 'executor': executor}, environment=UDP)
+    rates = graph.collect(JointState, 'wheel_rates')
+    commands = graph.publisher(Twist, 'cmd_vel')
+    graph.wait_for(lambda: rates, 'rates')
+    controller.send(signal.SIGSTOP)
+    for _ in range(5):
+        commands.publish(twist(SPEED, 0.0))
+    over = time.monotonic() + 1.0  # which is the stall itself
+    graph.wait_for(lambda: time.monotonic() > over, 'the stall')
+    controller.send(signal.SIGCONT)
+    graph.wait_for(lambda: 's old, cmd_vel_timeout is 0.5' in controller.output, 'a report')
+    heard = len(rates)
+    graph.wait_for(lambda: len(rates) > heard + 25, 'rates')
+    assert turning(rates) == []
+
+    def driving():
+        commands.publish(twist(SPEED, 0.0))
+        return turning(rates)
+
+    graph.wait_for(driving, 'the robot to drive')
+
+
+@EXECUTORS
+@pytest.mark.parametrize('limits', [{}, {'linear.x.max_acceleration': 0.5}], ids=['', 'ramps'])
+def test_a_stall_while_commands_flow_sends_no_needless_stop(graph, executor, limits):
+    """Nor does it slow down; and while nobody was there the wheels are not said to have turned."""
+    timeout = 1.0
+    controller = graph.start(CONTROLLER, {
+        **KHEPERA, **limits, 'executor': executor, 'cmd_vel_timeout': timeout}, environment=UDP)
+    rates = graph.collect(JointState, 'wheel_rates')
+    commands = graph.publisher(Twist, 'cmd_vel')
+
+    def flowing(condition):
+        def flow():
+            commands.publish(twist(SPEED, 0.0))
+            return condition()
+        return flow
+
+    graph.wait_for(flowing(lambda: at(rates, SPEED)), 'the robot to drive')
+    begun = len(rates)
+    for _ in range(2):
+        controller.send(signal.SIGSTOP)
+        over = time.monotonic() + timeout + 0.2
+        graph.wait_for(flowing(lambda: time.monotonic() > over), 'the stall')
+        heard = len(rates)
+        controller.send(signal.SIGCONT)
+        graph.wait_for(flowing(lambda: len(rates) > heard + 10), 'rates after it')
+    assert all(at([message], SPEED) for message in rates[begun:])
+    angles = [message.position[0] for message in rates[begun:]]
+    assert max(b - a for a, b in zip(angles, angles[1:])) < SPEED / 0.021 * (timeout + 0.15)
+
+
+def test_a_command_that_ended_during_a_stall_is_over_when_the_process_goes_on(graph):
+    controller = graph.start(CONTROLLER, KHEPERA, environment=UDP)
+    rates = graph.collect(JointState, 'wheel_rates')
+    commands = graph.publisher(Twist, 'cmd_vel')
+    graph.wait_for(lambda: rates, 'rates')
+    commands.publish(twist(SPEED, 0.0))
+    graph.wait_for(lambda: turning(rates), 'the robot to drive')
+    controller.send(signal.SIGSTOP)
+    commands.publish(twist(2.0 * SPEED, 0.0))
+    over = time.monotonic() + 1.0
+    graph.wait_for(lambda: time.monotonic() > over, 'the stall')
+    controller.send(signal.SIGCONT)
+    graph.wait_for(lambda: at(rates, 0.0), 'the stop')
+    assert {round(m.velocity[0] * 0.021, 9) for m in turning(rates)} == {SPEED}
+    turned = [any(message.velocity) for message in rates]
+    start = turned.index(True)
+    stop = turned.index(False, start)
+    assert stamp_ns(rates[stop]) - stamp_ns(rates[start]) == 500 * MS

@@ -1,0 +1,222 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Two publishers of what should have one: told apart, reported, and no motion of the robot."""
+
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from geometry_msgs.msg import Twist
+from nav_msgs.msg import Odometry
+import pytest
+import rclpy
+from sensor_msgs.msg import JointState
+from support.graph import DEEP, KHEPERA, set_stamp, twist
+
+JOINTS = ['left_wheel_joint', 'right_wheel_joint']
+RADIUS = KHEPERA['wheel_radius']
+STEP_NS = 20_000_000
+STEP = 0.06  # [rad] in STEP_NS
+REST = 50  # steps before it moves, in which all are heard
+BASE = {**KHEPERA, 'enable_odom_tf': False, 'diagnostics_rate': 10.0}
+SPEED = STEP * 1e9 / STEP_NS * RADIUS
+
+
+def statuses_of(graph, name):
+    """Return a list to which each status of a node is added."""
+    found = []
+    graph.collect(DiagnosticArray, '/diagnostics', lambda message: found.extend(
+        status for status in message.status if status.name == name))
+    return found
+
+
+def warned(statuses, words):
+    return [status for status in statuses
+            if status.level == DiagnosticStatus.WARN and words in status.message]
+
+
+def value(status, key):
+    return next(pair.value for pair in status.values if pair.key == key)
+
+
+class Publishers:
+    """A driver, and another node that publishes joint states on the same topic."""
+
+    def __init__(self, graph, names, frame_ids=('', ''), velocity=False):
+        self.graph, self._names, self._velocity = graph, names, velocity
+        self.driver = graph.publisher(JointState, 'wheel_rates')
+        self._node = rclpy.create_node(
+            'joint_state_publisher', context=graph.context, start_parameter_services=False)
+        self.other = self._node.create_publisher(JointState, 'wheel_rates', DEEP)
+        graph.wait_for(lambda: self.other.get_subscription_count() == 1, 'the other publisher')
+        self._frame_ids = frame_ids
+        self._start_ns, self.step = graph.now_ns(), 0
+
+    def say_zeros(self):
+        message = JointState(name=self._names, position=[0.0] * len(self._names))
+        self._send(self.other, message, self._frame_ids[1])
+
+    def say_position(self):
+        message = JointState(name=JOINTS, position=[self.angle()] * 2)
+        if self._velocity:
+            message.velocity = [STEP * 1e9 / STEP_NS if self.step > REST else 0.0] * 2
+        self._send(self.driver, message, self._frame_ids[0])
+
+    def _send(self, publisher, message, frame_id):
+        set_stamp(message, self._start_ns + self.step * STEP_NS)
+        message.header.frame_id = frame_id
+        publisher.publish(message)
+
+    def angle(self):
+        return STEP * max(0, self.step - REST)
+
+    def going_on(self, condition):
+        """Return a condition that lets both go on, in real time, until it is true."""
+        def until():
+            while self._start_ns + self.step * STEP_NS < self.graph.now_ns():
+                self.step += 1
+                self.say_position()
+                if self.step % 5 == 0:
+                    self.say_zeros()
+            return condition()
+
+        return until
+
+    def close(self):
+        self._node.destroy_node()
+
+
+@pytest.fixture
+def publishers_with(graph):
+    made = []
+
+    def make(names, **options):
+        made.append(Publishers(graph, names, **options))
+        return made[-1]
+
+    yield make
+    for each in made:
+        each.close()
+
+
+def assert_goes_steadily(graph, odometry, publishers):
+    """See that the robot never goes back nor too fast, and ends where the driver says."""
+    end = RADIUS * publishers.angle()
+    graph.wait_for(
+        lambda: odometry[-1].pose.pose.position.x == pytest.approx(end, abs=0.03), f'x {end}')
+    xs = [message.pose.pose.position.x for message in odometry]
+    assert len(xs) > 50
+    assert all(b - a > -0.005 for a, b in zip(xs, xs[1:]))
+    assert max(xs) < end + 0.03
+    assert all(abs(message.twist.twist.linear.x) < 3.0 * SPEED for message in odometry)
+
+
+@pytest.mark.parametrize('velocity', [False, True], ids=['positions', 'both'])
+@pytest.mark.parametrize('frame_ids', [('', ''), ('driver#1', '')])
+def test_zeros_of_a_joint_state_publisher_beside_the_driver_are_reported_and_do_not_move_it(
+        graph, publishers_with, frame_ids, velocity):
+    base = graph.start('simulated_base', BASE)
+    odometry, statuses = graph.collect(Odometry, 'odom'), statuses_of(graph, '/simulated_base')
+    both = publishers_with(JOINTS, frame_ids=frame_ids, velocity=velocity)
+    words = "several publishers on '/wheel_rates'"
+    graph.wait_for(both.going_on(lambda: words in base.output and warned(statuses, words)),
+                   'a report')
+    graph.wait_for(both.going_on(lambda: both.step > 250), 'some metres')
+    assert_goes_steadily(graph, odometry, both)
+    line = next(line for line in base.output.splitlines() if words in line)
+    assert '/joint_state_publisher' in line and '/test' in line and 'let one node publish' in line
+    assert base.output.count(words) == 1
+    assert int(value(statuses[-1], 'messages of other publishers')) > 10
+
+
+def test_zeros_that_were_there_first_give_way_to_the_driver(graph, publishers_with):
+    base = graph.start('simulated_base', BASE)
+    odometry = graph.collect(Odometry, 'odom')
+    both = publishers_with(JOINTS)
+    for _ in range(30):
+        both.say_zeros()
+    graph.wait_for(lambda: odometry, 'zeros')
+    graph.wait_for(both.going_on(lambda: 'several publishers' in base.output), 'a report')
+    graph.wait_for(both.going_on(lambda: both.step > 250), 'some metres')
+    assert_goes_steadily(graph, odometry, both)
+
+
+def test_on_simulated_time_they_are_told_apart_as_well(graph, publishers_with):
+    """Messages are handed on as they come there, by an executor."""
+    from rosgraph_msgs.msg import Clock
+    base = graph.start('simulated_base', {**BASE, 'use_sim_time': True})
+    odometry = graph.collect(Odometry, 'odom')
+    clock = graph.publisher(Clock, '/clock')
+    both = publishers_with(JOINTS)
+
+    def until(condition):
+        def ticking():
+            message = Clock()
+            message.clock.sec, message.clock.nanosec = divmod(graph.now_ns(), 10**9)
+            clock.publish(message)
+            return condition()
+
+        return both.going_on(ticking)
+
+    graph.wait_for(until(lambda: 'several publishers' in base.output), 'a report')
+    graph.wait_for(until(lambda: both.step > 250), 'some metres')
+    assert_goes_steadily(graph, odometry, both)
+
+
+def test_joint_states_of_an_arm_beside_the_driver_are_nothing_to_report(graph, publishers_with):
+    base = graph.start('simulated_base', BASE)
+    odometry, statuses = graph.collect(Odometry, 'odom'), statuses_of(graph, '/simulated_base')
+    both = publishers_with(['arm', 'gripper'])
+    graph.wait_for(both.going_on(lambda: both.step > 150 and len(statuses) > 20), 'three seconds')
+    assert_goes_steadily(graph, odometry, both)
+    assert 'several publishers' not in base.output
+    assert not warned(statuses, 'publishers')
+    assert value(statuses[-1], 'messages of other publishers') == '0'
+
+
+@pytest.mark.parametrize('name, topic', [
+    ('wheel_noise', 'wheel_rates'), ('forward_projection', 'wheel_rates')])
+def test_whoever_listens_to_wheel_motion_reports_two_publishers_of_it(
+        graph, publishers_with, name, topic):
+    node = graph.start(name, KHEPERA if name != 'wheel_noise' else {'wheel_radius': RADIUS})
+    both = publishers_with(JOINTS)
+    graph.wait_for(both.going_on(lambda: 'several publishers' in node.output), 'a report')
+
+
+def test_two_publishers_of_commands_are_reported_with_the_remedy_while_there_are_two(graph):
+    controller = graph.start('diff_drive_controller', {**KHEPERA, 'diagnostics_rate': 10.0})
+    statuses = statuses_of(graph, '/diff_drive_controller')
+    commands = graph.publisher(Twist, 'cmd_vel')
+
+    def driving(condition):
+        def until():
+            commands.publish(twist(0.1, 0.0))
+            return condition()
+
+        return until
+
+    graph.wait_for(driving(lambda: statuses and statuses[-1].level == DiagnosticStatus.OK),
+                   'a healthy controller')
+    assert 'twist_mux' not in controller.output
+    teleop = rclpy.create_node(
+        'teleop', context=graph.context, start_parameter_services=False)
+    other = teleop.create_publisher(Twist, 'cmd_vel', 1)
+    graph.wait_for(driving(lambda: 'twist_mux' in controller.output
+                           and warned(statuses, 'twist_mux')), 'a report')
+    line = next(line for line in controller.output.splitlines() if 'twist_mux' in line)
+    assert "2 publishers of '/cmd_vel' (/teleop, /test)" in line
+    assert value(statuses[-1], 'publishers of commands') == '2'
+    teleop.destroy_publisher(other)
+    teleop.destroy_node()
+    graph.wait_for(driving(lambda: statuses[-1].level == DiagnosticStatus.OK), 'the end of it')
+    assert controller.output.count('twist_mux') == 1
+    assert "'/cmd_vel' has no more than one publisher again" in controller.output

@@ -1,0 +1,118 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""A simulation that steps its time keeps to itself, or says that it is not alone and fails."""
+
+from pathlib import Path
+import re
+
+from diffdrive_kinematics.ros.runtime.alone import keep_to_this_machine, RANGE, REACH
+from geometry_msgs.msg import Twist
+from nav_msgs.msg import Odometry
+import pytest
+from rosgraph_msgs.msg import Clock
+from sensor_msgs.msg import JointState
+from support.graph import twist
+
+CONFIG = Path(__file__).parents[3] / 'config'
+DRIFT = re.compile(r'^drift.*$', re.M)
+DRIVEN = """\
+/**:
+  ros__parameters:
+    wheel_radius: 0.021
+    wheel_separation: 0.0885
+    enable_odom_tf: false
+    nodes: [diff_drive_controller, simulated_base]
+    clock_step: 0.01
+    real_time_factor: 1.0
+"""
+
+
+def test_two_demos_in_one_domain_give_no_wrong_number(graph):
+    alone = graph.start('diffdrive_sim', args=[])
+    assert alone.wait() == 0
+    first = graph.start('diffdrive_sim', args=[])
+    graph.wait_for(lambda: ' 2.4 of 24.0 s' in first.output, 'the first to be on its way')
+    second = graph.start('diffdrive_sim', args=[])
+    demos = {demo: demo.wait() for demo in (first, second)}
+    assert demos[second] == 1, graph.outputs()
+    for demo, status in demos.items():
+        if status:
+            assert not DRIFT.search(demo.output)
+            assert re.search(r"FATAL.*'/\w+' is published by /\w+ of another process", demo.output)
+        else:  # the other one found it before it said anything
+            assert DRIFT.search(demo.output)[0] == DRIFT.search(alone.output)[0]
+
+
+@pytest.mark.parametrize('message_type, topic', [
+    (Twist, '/cmd_vel'), (JointState, '/wheel_rates'), (JointState, '/noisy_wheel_rates'),
+    (Clock, '/clock')])
+@pytest.mark.parametrize('when', ['before', 'during'])
+def test_another_publisher_of_what_the_nodes_say_to_each_other_ends_the_drive(
+        graph, message_type, topic, when):
+    """Even one that says nothing: it may have said something before it was seen."""
+    if when == 'before':
+        graph.node.create_publisher(message_type, topic, 1)
+    demo = graph.start('diffdrive_sim', args=[])
+    if when == 'during':
+        graph.wait_for(lambda: ' 2.4 of 24.0 s' in demo.output, 'the demo to be on its way')
+        graph.node.create_publisher(message_type, topic, 1)
+    assert demo.wait() == 1, demo.output
+    assert f"'{topic}' is published by /test of another process" in demo.output
+    assert 'Traceback' not in demo.output and not DRIFT.search(demo.output)
+
+
+def test_a_stepped_robot_may_be_driven_from_outside(graph, tmp_path):
+    """Nothing within the process publishes commands, and nobody else its wheel rates."""
+    file = tmp_path / 'driven.yaml'
+    file.write_text(DRIVEN)
+    sim = graph.start('diffdrive_sim', args=['--ros-args', '--params-file', str(file)])
+    odometry = graph.collect(Odometry, 'odom')
+    commands = graph.publisher(Twist, 'cmd_vel')
+    joints = graph.node.create_publisher(JointState, 'joint_states', 1)  # heard by nobody there
+
+    def moved():
+        commands.publish(twist(0.1, 0.0))
+        return odometry and odometry[-1].pose.pose.position.x > 0.03
+
+    graph.wait_for(moved, 'the robot to drive')
+    assert joints.get_subscription_count() == 0
+    assert sim.stop() == 0, sim.output
+
+
+def test_the_demo_is_heard_on_this_machine_only_and_says_so(graph):
+    demo = graph.start('diffdrive_sim', args=[], environment={RANGE: ''})
+    assert demo.wait() == 0
+    assert len(re.findall('on this machine only; .*SUBNET', demo.output)) == 1
+
+
+def test_what_the_user_has_set_about_who_hears_the_demo_holds(graph):
+    demo = graph.start('diffdrive_sim', args=[])  # LOCALHOST is set
+    assert demo.wait() == 0
+    assert 'this machine only' not in demo.output
+
+
+@pytest.mark.parametrize('name', REACH)
+def test_each_way_to_say_who_hears_a_process_is_left_alone(capsys, name):
+    environment = {name: 'SUBNET'}
+    keep_to_this_machine(environment)
+    assert environment == {name: 'SUBNET'} and not capsys.readouterr().err
+
+
+def test_a_simulation_with_a_params_file_is_heard_as_any_node(graph):
+    sim = graph.start('diffdrive_sim', args=[
+        '--ros-args', '--params-file', str(CONFIG / 'noiseless.yaml')], environment={RANGE: ''})
+    graph.wait_for(lambda: 'diffdrive_sim' in graph.node.get_node_names(), 'the simulation')
+    assert sim.stop() == 0
+    assert 'this machine only' not in sim.output

@@ -1,0 +1,258 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+"""What the nodes tell about their health on /diagnostics."""
+
+import math
+
+from builtin_interfaces.msg import Time
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from diffdrive_kinematics.nodes.simulated_base import SimulatedBase
+from diffdrive_kinematics.nodes.wheel_noise import WheelNoise
+from diffdrive_kinematics.ros.runtime.diagnostics import (
+    MessageStatistics, Problem, quiet, RateSample, Reporter, slowness, Status, unheard)
+from geometry_msgs.msg import Twist
+from nav_msgs.msg import Odometry
+import pytest
+from rosgraph_msgs.msg import Clock
+from sensor_msgs.msg import JointState
+from support.graph import KHEPERA, set_stamp, stamp_ns, twist
+from support.health import collect, ERROR, OK, wait_for_level, WARN
+from support.inside import inside, START_NS
+
+CONTROLLER = 'diff_drive_controller'
+JOINTS = ['left_wheel_joint', 'right_wheel_joint']
+NODES = {
+    CONTROLLER: KHEPERA, 'wheel_noise': {'wheel_radius': 0.021}, 'simulated_base': KHEPERA,
+    'command_sequence': {'commands': [0.1, 0.0, 60.0]}, 'forward_projection': KHEPERA}
+FAST = {'diagnostics_rate': 20.0}
+
+
+class Listeners:
+    """Stands in for a publisher."""
+
+    def __init__(self, count=1):
+        self.count, self.levels, self.messages = count, [], []
+
+    def get_subscription_count(self):
+        return self.count
+
+    def publish(self, message):
+        self.levels.append(message.status[0].level)
+        self.messages.append(message.status[0].message)
+
+
+@pytest.mark.parametrize('name', NODES)
+def test_every_node_tells_its_health_on_the_absolute_topic_under_its_full_name(graph, name):
+    arrays = graph.collect(DiagnosticArray, '/diagnostics')
+    graph.start(name, {**NODES[name], **FAST}, '-r', '__ns:=/robot1')
+    (status,) = graph.wait_for(lambda: arrays, 'diagnostics')[-1].status
+    assert (status.name, status.hardware_id) == (f'/robot1/{name}', 'robot1')
+    assert status.level == (OK if name == CONTROLLER else WARN)
+    assert 'yet' in status.message or 'waiting for' in status.message
+    assert 'refused' in {pair.key for pair in status.values}
+
+
+def test_a_rate_of_zero_is_off(graph):
+    graph.start(CONTROLLER, {**KHEPERA, 'diagnostics_rate': 0.0})
+    rates = graph.collect(JointState, 'wheel_rates')
+    graph.wait_for(lambda: rates, 'the controller')
+    assert graph.node.count_publishers('/diagnostics') == 0
+
+
+def test_the_controller_tells_of_commands_timeouts_cuts_and_refusals(graph):
+    graph.start(CONTROLLER, {
+        **KHEPERA, 'diagnostics_rate': 5.0, 'max_wheel_rate': 5.0,
+        'linear.x.max_velocity': 0.2})
+    statuses = collect(graph, f'/{CONTROLLER}')
+    wait_for_level(graph, statuses, OK, "nothing heard on '/cmd_vel' yet")
+    commands = graph.publisher(Twist, 'cmd_vel')
+    sent = 0
+
+    def driving():
+        nonlocal sent
+        commands.publish(twist(0.5, 0.0))
+        sent += 1
+        return statuses[-1][0] == OK and float(statuses[-1][2]['saturated']) > 0
+
+    graph.wait_for(driving, 'a healthy controller')
+    level, message, values = statuses[-1]
+    assert message == 'ok'
+    assert 0 < int(values['command messages']) <= sent
+    assert int(values['limited']) > 0 and int(values['timeouts']) == 0
+    assert 0.0 <= float(values['age of the last command [s]']) < 0.5
+    assert float(values['achieved publish rate [Hz]']) > 0.8 * 50.0
+    message, values = wait_for_level(graph, statuses, WARN, 'timeouts: 1 more')[1:]
+    assert values['timeouts'] == '1'
+    wait_for_level(graph, statuses, OK, "at rest, nothing heard on '/cmd_vel' for")
+    commands.publish(twist(math.nan, 0.0))
+    values = wait_for_level(graph, statuses, ERROR, 'refused: 1 more, 1 in all')[2]
+    assert values['refused'] == '1'
+
+
+def test_the_base_tells_of_wheel_motion_its_stamps_and_its_rate(graph):
+    graph.start('simulated_base', {
+        **KHEPERA, 'enable_odom_tf': False, 'command_timeout': 0.0, **FAST})
+    statuses = collect(graph, '/simulated_base')
+    odometry = graph.collect(Odometry, 'odom')
+    wait_for_level(graph, statuses, WARN, "nothing heard on '/wheel_rates' yet")
+    wheels = graph.publisher(JointState, 'wheel_rates')
+    late = graph.now_ns() - 700_000_000
+    for offset, angle in ((0, 0.0), (100_000_000, 1.0), (50_000_000, 0.5), (-1, 0.0)):
+        message = JointState(name=JOINTS, position=[angle, angle])
+        set_stamp(message, late + offset)
+        wheels.publish(message)
+    wait_for_level(graph, statuses, WARN, 'out of order: ')
+    values = wait_for_level(graph, statuses, OK)[2]
+    assert values['wheel motion messages'] == '4'
+    assert 0.7 <= float(values['largest now - stamp [s]']) < 60.0
+    assert int(values['out of order']) >= 1 and values['clock steps in stamps'] == '0'
+    assert float(values['age of the last wheel motion [s]']) >= 0.0
+    assert odometry
+
+
+def test_the_base_tells_of_encoders_that_began_again_elsewhere(graph):
+    graph.start('simulated_base', {
+        **KHEPERA, 'enable_odom_tf': False, 'max_encoder_rate': 50.0, **FAST})
+    statuses = collect(graph, '/simulated_base')
+    wheels = graph.publisher(JointState, 'wheel_rates')
+    wait_for_level(graph, statuses, WARN, 'nothing heard')
+    for number, angle in enumerate((0.0, 700.0)):
+        message = JointState(name=JOINTS, position=[angle, angle])
+        set_stamp(message, graph.now_ns() + number)
+        wheels.publish(message)
+    values = wait_for_level(graph, statuses, WARN, 'position jumps: 1 more, 1 in all')[2]
+    assert values['position jumps'] == '1'
+
+
+def test_in_fast_mode_diagnostics_follow_the_stepped_clock_and_show_progress(graph):
+    arrays = graph.collect(DiagnosticArray, '/diagnostics')
+    # Not as fast as it can, or it may have ended when it is discovered.
+    sim = graph.start('diffdrive_sim', {'real_time_factor': 6.0})
+    graph.wait_for(lambda: not sim.running, 'the course')
+    graph.wait_for(lambda: arrays, 'diagnostics')
+    assert all(stamp_ns(array) % 10**9 == 0 for array in arrays)
+    names = {array.status[0].name for array in arrays}
+    assert names == {'/diff_drive_controller', '/wheel_noise', '/simulated_base', '/ground_truth',
+                     '/command_sequence'}
+    progress = [float(pair.value) for array in arrays for pair in array.status[0].values
+                if pair.key == 'progress [%]']
+    assert progress == sorted(progress) and max(progress) > 50.0
+    late = [array.status[0] for array in arrays if stamp_ns(array) > 10 * 10**9]
+    assert {status.level for status in late} == {OK}, [status.message for status in late]
+
+
+def test_what_has_grown_since_the_last_look_is_trouble_once_the_worst_first():
+    listeners = Listeners()
+    reporter = Reporter('/node', 'robot', listeners)
+    silence = [Problem(OK, 'silence')]
+    for refused, order, problems in ((0, 0, []), (2, 1, silence), (2, 1, silence), (2, 3, [])):
+        reporter.report(1, Status({'refused': refused, 'out of order': order}, problems))
+    assert listeners.levels == [OK, ERROR, OK, WARN]
+    assert listeners.messages == [
+        'ok', 'refused: 2 more, 2 in all; out of order: 1 more, 1 in all; silence', 'silence',
+        'out of order: 2 more, 3 in all']
+
+
+def test_nothing_is_published_where_nobody_listens():
+    listeners = Listeners(count=0)
+    Reporter('/node', 'robot', listeners).report(1, Status({'refused': 3}, []))
+    assert listeners.levels == []
+
+
+def test_a_rate_is_what_was_sent_since_the_last_look_and_judged_where_there_is_enough_of_it():
+    reporter = Reporter('/node', 'robot', Listeners())
+    assert reporter.look(10**9, 0).rate is None
+    assert reporter.look(2 * 10**9, 3).rate is None  # it began in between
+    assert reporter.look(3 * 10**9, 53) == RateSample(3 * 10**9, 50.0, 1.0)
+    assert reporter.look(3 * 10**9, 60).rate is None
+    assert slowness(RateSample(0, 39.0, 1.0), 50.0) == [
+        Problem(WARN, 'publishes at 39.0 Hz, set to 50.0')]
+    assert slowness(RateSample(0, 41.0, 1.0), 50.0) == slowness(RateSample(0, 0.0, 1.0), 4.0) == []
+
+
+def test_the_skew_of_stamps_is_kept_with_its_sign_and_its_largest():
+    heard = MessageStatistics()
+    assert heard.age(5) is None and unheard(heard, 'in')[0].level == WARN
+    assert quiet(heard, 5, 1.0, 'in') == []
+    for now, stamp in ((10, 9), (20, 25), (30, 28)):
+        heard.note(now, stamp)
+    assert (heard.count, heard.skew_ns, heard.largest_skew_ns) == (3, 2, -5)
+    assert heard.age(30 + 2 * 10**9) == 2.0
+    assert unheard(heard, 'in') == []
+    assert quiet(heard, 31, 1.0, 'in') == quiet(heard, 9 * 10**9, 0.0, 'in') == []
+    assert 'for 2.0 s' in quiet(heard, 30 + 2 * 10**9, 1.0, 'in')[0].message
+
+
+def test_ages_and_rates_are_those_of_before_where_the_clock_was_stepped():
+    with inside(SimulatedBase, {**KHEPERA, 'enable_odom_tf': False}) as held:
+        held.hear('/wheel_rates', JointState(name=JOINTS, velocity=[1.0, 1.0]))
+        held.advance_to(START_NS + 700_000_000)
+        back = START_NS - 500 * 10**9
+        held.clock.advance_to(back)
+        held.hear('/wheel_rates', JointState(name=['arm'], velocity=[1.0]))  # not ours: no news
+        status = held.node.status(RateSample(back))
+        assert status.values['age of the last wheel motion [s]'] == 0.7
+        assert [trouble.level for trouble in status.problems] == [WARN]
+    reporter = Reporter('/node', 'robot', Listeners())
+    reporter.look(10**12, 1)
+    reporter.clock_stepped(-5 * 10**11)
+    assert reporter.look(5 * 10**11 + 10**9, 51).rate == 50.0
+
+
+@pytest.mark.parametrize('rate, level', [(0.0, OK), (1.0, WARN)])
+@pytest.mark.parametrize('make, topic', [
+    (SimulatedBase, '/wheel_rates'), (WheelNoise, '/wheel_rates')], ids=['base', 'noise'])
+def test_wheels_that_fell_silent_are_well_at_rest_and_a_warning_where_they_turned(
+        make, topic, rate, level):
+    with inside(make, {**KHEPERA, 'enable_odom_tf': False}) as held:
+        message = JointState(name=JOINTS, velocity=[rate, rate])
+        set_stamp(message, START_NS)
+        held.hear(topic, message)
+        later = START_NS + 3600 * 10**9
+        held.advance_to(later)
+        (trouble,) = held.node.status(RateSample(later)).problems
+        assert trouble.level == level
+        assert "nothing heard on '/wheel_rates' for 3600.0 s" in trouble.message
+        assert ('at rest' in trouble.message) == (level == OK)
+
+
+def test_a_parked_robot_is_well_and_nothing_is_ever_stale(graph):
+    """Controller and base, an hour or a second after the last command."""
+    for name, parameters in ((CONTROLLER, {}), ('simulated_base', {'enable_odom_tf': False})):
+        graph.start(name, {**KHEPERA, **parameters, **FAST})
+    statuses = collect(graph, f'/{CONTROLLER}'), collect(graph, '/simulated_base')
+    commands = graph.publisher(Twist, 'cmd_vel')
+    for v in (0.1, 0.0):
+        commands.publish(twist(v, 0.0))
+    wait_for_level(graph, statuses[0], OK, "at rest, nothing heard on '/cmd_vel' for 1.")
+    assert graph.wait_for(
+        lambda: statuses[1] and statuses[1][-1][:2] == (OK, 'ok'), 'a base that is well')
+    parked = len(statuses[0]), len(statuses[1])
+    graph.wait_for(lambda: min(map(len, statuses)) > max(parked) + 20, 'more of them')
+    for heard, begin in zip(statuses, parked):
+        assert {level for level, *_ in heard[begin:]} == {OK}
+    assert DiagnosticStatus.STALE not in {level for heard in statuses for level, *_ in heard}
+
+
+def test_reports_come_though_simulated_time_stands_and_on_the_clock_it_shows(graph):
+    arrays = graph.collect(DiagnosticArray, '/diagnostics')
+    graph.start(CONTROLLER, {**KHEPERA, 'use_sim_time': True, **FAST})
+    graph.wait_for(lambda: len(arrays) > 3, 'diagnostics')
+    clock = graph.publisher(Clock, '/clock')
+    clock.publish(Clock(clock=Time(sec=7)))
+    graph.wait_for(lambda: stamp_ns(arrays[-1]) == 7 * 10**9, 'diagnostics on the new time')
+    (status,) = graph.wait_for(
+        lambda: [status for status in arrays[-1].status if '/clock stands at' in status.message],
+        'that it stands')
+    assert status.level == WARN and '/clock stands at 7.000 s' in status.message

@@ -1,0 +1,131 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Executors: that of the package by parameter, those of other people, and a loop that sleeps."""
+
+from contextlib import contextmanager
+import time
+
+from diffdrive_kinematics.nodes.simulated_base import SimulatedBase
+from diffdrive_kinematics.ros.runtime.running import make_executor
+from geometry_msgs.msg import PoseWithCovarianceStamped, Twist
+from nav_msgs.msg import Odometry
+import pytest
+import rclpy
+from sensor_msgs.msg import JointState
+from std_srvs.srv import Trigger
+from support.graph import KHEPERA, set_stamp, stamp_ns, twist
+from support.inside import initialised
+
+JOINTS = ['left_wheel_joint', 'right_wheel_joint']
+DEADLINE_S = 30.0
+
+
+def wheel_rates(stamp, left, right):
+    message = JointState(name=JOINTS, velocity=[left, right])
+    set_stamp(message, stamp)
+    return message
+
+
+def wait_for(condition, turn):
+    deadline = time.monotonic() + DEADLINE_S
+    while not condition():
+        assert time.monotonic() < deadline
+        turn()
+
+
+@contextmanager
+def base_in_this_process(parameters):
+    """Yield a base without timers of its own, and a publisher of wheel rates that it hears."""
+    with initialised({**KHEPERA, 'enable_odom_tf': False, **parameters}):
+        base, other = SimulatedBase(), rclpy.create_node(
+            'other', start_parameter_services=False)
+        publisher = other.create_publisher(JointState, 'wheel_rates', 100)
+        wait_for(publisher.get_subscription_count, lambda: None)
+        yield base, other, publisher
+        base.destroy_node()
+        other.destroy_node()
+
+
+@pytest.mark.parametrize('kind', ['single_threaded', 'auto'])
+def test_a_base_works_in_an_executor_that_knows_nothing_of_its_timers(kind):
+    with base_in_this_process({'command_timeout': 0.0}) as (base, other, publisher):
+        odometry = []
+        listener = make_executor([other], kind)
+        other.create_subscription(Odometry, 'odom', odometry.append, 10)
+        executor = make_executor([base], kind)
+
+        def turn():
+            executor.spin_once(timeout_sec=0.01)
+            listener.spin_once(timeout_sec=0.01)
+
+        publisher.publish(wheel_rates(time.time_ns(), 1.0, 1.0))
+        wait_for(lambda: odometry and odometry[-1].pose.pose.position.x > 0.001, turn)
+        for each in (executor, listener):
+            each.shutdown()
+
+
+@pytest.mark.parametrize('executor', ['single_threaded', 'events', 'auto'])
+def test_a_robot_drives_and_stops_on_every_executor(graph, executor, tmp_path):
+    params = tmp_path / 'robot.yaml'
+    params.write_text(f"""
+/**:
+  ros__parameters:
+    nodes: [diff_drive_controller, simulated_base]
+    executor: {executor}
+    enable_odom_tf: false
+    cmd_vel_timeout: 0.2
+    wheel_radius: {KHEPERA['wheel_radius']}
+    wheel_separation: {KHEPERA['wheel_separation']}
+""")
+    graph.start('diffdrive_sim', args=['--ros-args', '--params-file', str(params)])
+    odometry = graph.collect(Odometry, 'odom')
+    rates = graph.collect(JointState, 'wheel_rates')
+    commands = graph.publisher(Twist, 'cmd_vel')
+    graph.wait_for(lambda: odometry and rates, 'odometry')
+    commands.publish(twist(0.1, 0.0))
+    graph.wait_for(lambda: odometry[-1].twist.twist.linear.x == pytest.approx(0.1), 'driving')
+    graph.wait_for(lambda: odometry[-1].twist.twist.linear.x == 0.0, 'standing')
+    graph.wait_for(lambda: rates[-1].velocity[0] == 0.0 and any(
+        message.velocity[0] for message in rates), 'the rates to be heard, too')
+    moving = [message for message in rates if message.velocity[0] > 0.0]
+    stop = next(message for message in rates if stamp_ns(message) > stamp_ns(moving[-1]))
+    assert stamp_ns(stop) - stamp_ns(moving[0]) == 200_000_000
+    assert odometry[-1].pose.pose.position.x == pytest.approx(0.02, rel=1e-9)
+
+
+def test_an_executor_that_there_is_not_is_refused(graph):
+    base = graph.start('simulated_base', {**KHEPERA, 'executor': 'multi_threaded'})
+    assert graph.wait_for(lambda: not base.running, 'the end') and base.wait() == 2
+    assert "executor is 'multi_threaded', expected one of 'auto'" in base.output
+
+
+def test_a_base_that_sleeps_between_its_ticks_is_there_for_whoever_asks(graph):
+    """Nothing of it is needs_wakeup: what comes waits for a tenth of a second, and is heard."""
+    graph.start('simulated_base', {
+        **KHEPERA, 'enable_odom_tf': False, 'publish_rate': 200.0, 'command_timeout': 0.0})
+    odometry = graph.collect(Odometry, 'odom')
+    graph.publisher(JointState, 'wheel_rates').publish(wheel_rates(graph.now_ns(), 1.0, 1.0))
+    poses = graph.publisher(PoseWithCovarianceStamped, 'set_pose')
+    graph.wait_for(lambda: odometry, 'odometry')
+    for number in range(1, 8):
+        message = PoseWithCovarianceStamped()
+        message.header.frame_id = 'odom'
+        message.pose.pose.position.x, message.pose.pose.orientation.w = float(number), 1.0
+        poses.publish(message)
+        graph.wait_for(
+            lambda x=number: odometry[-1].pose.pose.position.x == x, 'the pose that was set')
+    for _ in range(5):
+        assert graph.call(Trigger, 'simulated_base/reset', Trigger.Request()).success
+    graph.wait_for(lambda: odometry[-1].pose.pose.position.x == 0.0, 'the start')
