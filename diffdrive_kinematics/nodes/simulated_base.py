@@ -24,7 +24,7 @@ from diffdrive_kinematics.ros.inputs.driver_watch import DriverWatch
 from diffdrive_kinematics.ros.inputs.wheel_watch import WheelWatch
 from diffdrive_kinematics.ros.messages.messages import given_pose
 from diffdrive_kinematics.ros.messages.wheel_joints import wheel_joints
-from diffdrive_kinematics.ros.messages.wheel_messages import WheelMessage, WheelReader
+from diffdrive_kinematics.ros.messages.wheel_messages import WheelReader, WheelWriter
 from diffdrive_kinematics.ros.parameters.from_values import (
     check_sides, check_wiring, wheel_geometry)
 from diffdrive_kinematics.ros.parameters.odometry_from_values import (
@@ -99,7 +99,7 @@ class SimulatedBase(DiffDriveNode[Config]):
             JointState, values['wheel_motion_topic'], self._on_wheels)
         self._wheel_motion.set_poll_rate(values['publish_rate'])
         self._out = OdometryPublisher(self, values)
-        self._wheels = WheelMessage(joints, self.source(), encoder)
+        self._wheels = WheelWriter(joints, self.source(), encoder)
         topic = values['joint_states_topic']
         self._joints = runtime.publish(JointState, topic) if topic else None
         self._transform = self._transforms('enable_odom_tf')

@@ -20,8 +20,8 @@ from diffdrive_kinematics.core.kinematics import compose, inverse
 from diffdrive_kinematics.core.noise import twist_covariance
 from diffdrive_kinematics.core.odometry import odometry as core
 from diffdrive_kinematics.core.odometry import OdometryHistory, WheelPair
-from diffdrive_kinematics.ros.messages.messages import (
-    check_stamp, nanoseconds, OdometryMessage, pose_in_plane)
+from diffdrive_kinematics.ros.messages.codec import OdometryCodec
+from diffdrive_kinematics.ros.messages.messages import check_stamp, nanoseconds, pose_in_plane
 from diffdrive_kinematics.ros.publishers.tf import frame_prefix, TransformPublisher
 from nav_msgs.msg import Odometry
 
@@ -61,7 +61,7 @@ class OdometryPublisher:
     def __init__(self, node: 'DiffDriveNode[Any]', values: Mapping[str, Any]) -> None:
         prefix = frame_prefix(values, node.get_namespace())
         self.frames = prefix + values['odom_frame_id'], prefix + values['base_frame_id']
-        self._message = OdometryMessage(*self.frames)
+        self._message = OdometryCodec(*self.frames)
         topic = values['odom_topic']
         self._publisher = node.runtime.publish(Odometry, topic) if topic else None
         self._covariances = _Covariances.of(values)

@@ -17,9 +17,9 @@
 from typing import Any, Iterable, List, Mapping, TYPE_CHECKING
 
 from diffdrive_kinematics.core.commands import WheelCommand
-from diffdrive_kinematics.ros.messages.messages import TwistMessage
+from diffdrive_kinematics.ros.messages.codec import TwistCodec
 from diffdrive_kinematics.ros.messages.wheel_joints import wheel_joints
-from diffdrive_kinematics.ros.messages.wheel_messages import WheelCommandMessage, WheelMessage
+from diffdrive_kinematics.ros.messages.wheel_messages import WheelCommandWriter, WheelWriter
 from geometry_msgs.msg import TwistStamped
 from rclpy.publisher import Publisher
 from sensor_msgs.msg import JointState
@@ -47,9 +47,9 @@ class WheelCommandPublisher:
     def __init__(self, node: 'DiffDriveNode[Any]', values: Mapping[str, Any]) -> None:
         joints, publish = wheel_joints(values), node.runtime.publish
         self._node = node
-        self._rates = WheelMessage(joints, node.source())
-        self._set_points = WheelCommandMessage(joints)
-        self._twist = TwistMessage(values['base_frame_id'])
+        self._rates = WheelWriter(joints, node.source())
+        self._set_points = WheelCommandWriter(joints)
+        self._twist = TwistCodec(values['base_frame_id'])
         self.rates_publisher = publish(JointState, values['wheel_rates_topic'])
         topic = values['wheel_commands_topic']
         self._set_point_publisher = publish(Float64MultiArray, topic) if topic else None
