@@ -23,10 +23,11 @@ never from the moment at which somebody asked, so timers only decide when a chan
 
 from typing import List, Optional, Tuple
 
-from diffdrive_kinematics.core.commands.drive_settings import DriveSettings, NANOSECONDS
+from diffdrive_kinematics.core.commands.drive_settings import DriveSettings
 from diffdrive_kinematics.core.commands.drive_state import DriveState
 from diffdrive_kinematics.core.commands.wheel_command import STILL, Twist, WheelCommand
-from diffdrive_kinematics.core.kinematics import is_sane, LARGEST, wheel_rates_from_twist
+from diffdrive_kinematics.core.kinematics import (
+    is_sane, LARGEST, NANOSECONDS, wheel_rates_from_twist)
 
 __all__ = ['Drive']
 

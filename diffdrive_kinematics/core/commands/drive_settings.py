@@ -21,11 +21,10 @@ from typing import Optional
 
 from diffdrive_kinematics.core.commands.limits import AxisLimits
 from diffdrive_kinematics.core.commands.saturation import wheel_bound, WheelBound
-from diffdrive_kinematics.core.kinematics import check_duration, check_rate, WheelGeometry
+from diffdrive_kinematics.core.kinematics import (
+    check_duration, check_rate, NANOSECONDS, WheelGeometry)
 
-__all__ = ['DriveSettings', 'NANOSECONDS']
-
-NANOSECONDS = 1e9
+__all__ = ['DriveSettings']
 """In a second."""
 
 

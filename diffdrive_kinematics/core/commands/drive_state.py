@@ -20,11 +20,11 @@ What is commanded from a time on, and its steps towards the target: limits, ramp
 
 from typing import List, NamedTuple, Optional, Tuple, TypeVar
 
-from diffdrive_kinematics.core.commands.drive_settings import DriveSettings, NANOSECONDS
+from diffdrive_kinematics.core.commands.drive_settings import DriveSettings
 from diffdrive_kinematics.core.commands.ramp import ramp_step
 from diffdrive_kinematics.core.commands.saturation import saturate
 from diffdrive_kinematics.core.commands.wheel_command import STILL, Twist, WheelCommand
-from diffdrive_kinematics.core.kinematics import RunningSum, wheel_rates_from_twist
+from diffdrive_kinematics.core.kinematics import NANOSECONDS, RunningSum, wheel_rates_from_twist
 
 __all__ = ['DriveState']
 
@@ -154,9 +154,9 @@ class DriveState(NamedTuple):
         """
         stamp = max(now_ns, self.since_ns + 1)
         left, right = self._angles(stamp)
-        return type(self)(
-            self.settings, stamp, left=left, right=right, saturated=self.saturated,
-            limited=self.limited, timeouts=self.timeouts)
+        return self._replace(
+            since_ns=stamp, target=STILL, twist=STILL, before=STILL, rates=(0.0, 0.0), left=left,
+            right=right, deadline_ns=None, step_ns=None)
 
     def clock_stepped(self: D, step_ns: int) -> D:
         """
