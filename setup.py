@@ -91,5 +91,6 @@ setup(
             'wheel_noise = diffdrive_kinematics.executables:wheel_noise',
             'wheel_odometry = diffdrive_kinematics.executables:wheel_odometry',
         ],
+        'pytest11': ['diffdrive = diffdrive_kinematics.testing.plugin'],
     },
 )
