@@ -52,7 +52,8 @@ def spin(node: Node) -> None:
     try:
         while node.context.ok():
             _work_off(executor, patience)
-            if times and Time.from_msg(times[-1]).nanoseconds == node.get_clock().now().nanoseconds:
+            now_ns = node.get_clock().now().nanoseconds
+            if times and Time.from_msg(times[-1]).nanoseconds == now_ns:
                 publisher.publish(Header(stamp=times[-1], frame_id=_described(node)))
                 times.clear()
     except (ExternalShutdownException, KeyboardInterrupt):

@@ -114,8 +114,9 @@ class Stepping:
 
     def wait(
             self, condition: Callable[[], Any], what: str, processes: List[Process], *,
-            show: bool = False, timeout: float = DEADLINE_S) -> None:
+            show: bool = False, timeout: Optional[float] = None) -> None:
         """Spin until a condition holds, or raise ``ProcessFailed``."""
+        timeout = timeout or DEADLINE_S
         deadline = time.monotonic() + timeout
         show_at = time.monotonic() + REPEAT_S
         while not condition():
@@ -169,7 +170,8 @@ class Stepping:
     def all_matched(self) -> bool:
         """Return whether all publishers of this process have all who listen in the graph."""
         observer = self._observer
-        subscriptions = [each for node in self._executor.get_nodes() for each in node.subscriptions]
+        nodes = self._executor.get_nodes()
+        subscriptions = [each for node in nodes for each in node.subscriptions]
         return all(
             publisher.get_subscription_count() >= observer.count_subscribers(publisher.topic_name)
             for publisher in self._messages.publishers) and all(
