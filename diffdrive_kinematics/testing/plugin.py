@@ -22,22 +22,19 @@ if find_spec('rclpy'):
     @pytest.fixture
     def diffdrive():
         """
-        Return what makes a simulated robot; it is gone after the test, whatever happens.
+        Return what makes simulated robots; they are gone after the test, whatever happens.
 
-        The arguments are those of ``diffdrive_kinematics.testing.Robot``.
+        Each has a domain of its own.  The arguments are those of ``diffdrive_kinematics.testing.Robot``.
         """
         from diffdrive_kinematics.testing.robot import Robot
         robots = []
 
         def make(*arguments, **options):
-            if robots:
-                raise RuntimeError('diffdrive() was called twice, expected one robot a test; a '
-                                   'YAML file may compose several')
             robots.append(Robot(*arguments, **options))
-            return robots[0]
+            return robots[-1]
 
         try:
             yield make
         finally:
-            for robot in robots:
+            for robot in reversed(robots):
                 robot.close()

@@ -84,6 +84,7 @@ class Robot:
         self._publishers: 'dict[str, Any]' = {}
         self._processes: List[Process] = []
         self._executor: Any = None
+        self._context = rclpy.Context()
         self._range = os.environ.get(RANGE)
         self._domain = FreeDomain()
         self.domain = self._domain.id
@@ -98,12 +99,13 @@ class Robot:
         with tempfile.NamedTemporaryFile('w', suffix='.yaml') as file:
             file.write(params)
             file.flush()
-            rclpy.init(args=['--ros-args', '--params-file', file.name], domain_id=self.domain,
-                       signal_handler_options=SignalHandlerOptions.NO)
+            rclpy.init(args=['--ros-args', '--params-file', file.name], context=self._context,
+                       domain_id=self.domain, signal_handler_options=SignalHandlerOptions.NO)
         self._clock = SteppedClock()
         self._messages = RecordedMessages(self._clock)
         self._observer = rclpy.create_node(
-            'diffdrive_test', use_global_arguments=False, start_parameter_services=False)
+            'diffdrive_test', context=self._context, use_global_arguments=False,
+            start_parameter_services=False)
         self._executor = make_executor([self._observer])
         for member in self._members:
             self._add(member)
@@ -114,8 +116,9 @@ class Robot:
     def _add(self, member: Member) -> None:
         timers = list(self._clock.timers)
         node = node_class(member.kind)(
-            member.name, namespace=member.namespace, stepped=self._clock,
-            in_flight=self._messages, neighbours=[each.name for each in self._members])
+            member.name, namespace=member.namespace, context=self._context,
+            stepped=self._clock, in_flight=self._messages,
+            neighbours=[each.name for each in self._members])
         self._nodes[_path(member)] = node
         self._parts[_path(member)] = (
             [timer for timer in self._clock.timers if timer not in timers],
@@ -197,7 +200,7 @@ class Robot:
         twist = message.twist if stamped else message
         twist.linear.x, twist.angular.z = float(v), float(w)
         for _ in range(self._steps(seconds)):
-            self.publish(controller.command_topic(), message)
+            self.publish(_topic(controller, 'cmd_vel_topic'), message)
             self._stepping.step()
 
     def advance(
@@ -323,7 +326,7 @@ class Robot:
         if self._executor:
             self._executor.shutdown()
             self._observer.destroy_node()
-        rclpy.try_shutdown()
+        rclpy.try_shutdown(context=self._context)
         for path in {each for process in self._processes for each in process.shared_memory}:
             Path(path).unlink(missing_ok=True)  # nobody else was in this domain
         if self._range is None:

@@ -168,6 +168,14 @@ def test_every_process_ends_with_the_test_even_one_that_ignores_it(diffdrive, fi
     assert not [each for each in shared | process.shared_memory if Path(each).exists()]
 
 
+def test_robots_of_one_test_do_not_hear_each_other(diffdrive):
+    one, other = diffdrive(params=ROBOT), diffdrive(params=ROBOT)
+    assert one.domain != other.domain
+    one.drive(0.2, 0.0, 0.5)
+    other.advance(0.5)
+    assert one.odom.x > 0.05 and other.odom.x == 0.0
+
+
 def test_what_nobody_listens_to_is_said(diffdrive, monkeypatch):
     from diffdrive_kinematics.testing import robot as module
     monkeypatch.setattr(module, 'HEARD_S', 0.3)
