@@ -24,7 +24,8 @@ if find_spec('rclpy'):
         """
         Return what makes simulated robots; they are gone after the test, whatever happens.
 
-        Each has a domain of its own.  The arguments are those of ``diffdrive_kinematics.testing.Robot``.
+        Each has a domain of its own.  The arguments are those of
+        ``diffdrive_kinematics.testing.Robot``.
         """
         from diffdrive_kinematics.testing.robot import Robot
         robots = []
