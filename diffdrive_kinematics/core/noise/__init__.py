@@ -32,17 +32,19 @@ from diffdrive_kinematics.core.noise.heading_moments import (
 from diffdrive_kinematics.core.noise.matrices import pose_jacobians, rotations
 from diffdrive_kinematics.core.noise.noise import (
     check_slip_model, effective_ratio, sample_travel, SLIP_MODELS, travel_variance, WheelSlip)
-from diffdrive_kinematics.core.noise.outline import area, outer_boundary, perimeter, simplified
+from diffdrive_kinematics.core.noise.outline import outer_boundary
 from diffdrive_kinematics.core.noise.planar import (
     planar_covariance, planar_pose, yaw_from_quaternion)
+from diffdrive_kinematics.core.noise.polygons import area, perimeter, simplified
 from diffdrive_kinematics.core.noise.pose_covariance import NO_COVARIANCE, PoseCovariance
 from diffdrive_kinematics.core.noise.pose_moments import (
     CERTAIN, followed, gaussian_moments, heading_moments, PoseMoments)
 from diffdrive_kinematics.core.noise.projected import Projected, projected
-from diffdrive_kinematics.core.noise.projection import (
-    lateral_variances, propagate, sample_paths, step_noise, StepNoise, travel_of_command)
+from diffdrive_kinematics.core.noise.projection import propagate, sample_paths
 from diffdrive_kinematics.core.noise.reachable import reachable_set, reachable_set_from_slip
 from diffdrive_kinematics.core.noise.stage import Stage, stage_from_slip, with_pivots_joined
+from diffdrive_kinematics.core.noise.step_noise import (
+    lateral_variances, step_noise, StepNoise, travel_of_command)
 from diffdrive_kinematics.core.noise.twist_covariance import twist_covariance, TwistCovariance
 
 __all__ = [
