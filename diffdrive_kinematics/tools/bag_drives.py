@@ -35,6 +35,8 @@ __all__ = [
 
 COMMANDS = 'commands'
 PROGRESS_MESSAGES = 4096
+STAMP = slice(4, 12)
+"""Where a serialised message that begins with a header has its stamp."""
 JOINTS, ODOMETRY = 'sensor_msgs/msg/JointState', 'nav_msgs/msg/Odometry'
 TWISTS = 'geometry_msgs/msg/Twist', 'geometry_msgs/msg/TwistStamped'
 TF = 'tf2_msgs/msg/TFMessage'
@@ -188,8 +190,7 @@ def _joints_handle(
     def handle(message: BagMessage) -> None:
         sample = reader.read(message.data, lambda: message.received_ns)
         if sample is not None:
-            stamped = sample.stamp_ns != message.received_ns
-            times.of(sample.stamp_ns if stamped else 0, message.received_ns)
+            times.of(sample.stamp_ns if any(message.data[STAMP]) else 0, message.received_ns)
             collection.add_wheels(sample)
 
     return handle

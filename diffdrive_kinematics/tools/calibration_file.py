@@ -33,6 +33,8 @@ ROBOT = """\
 STAY = """\
 # The next calibration starts from this one."""
 NODES = 'diff_drive_controller', 'wheel_odometry', 'simulated_base'
+NO_SLIP_M = 1e-12
+"""Slip variance [m] of runs that do not scatter at all."""
 
 
 def params_text(calibration: Calibration, name: str) -> str:
@@ -40,6 +42,8 @@ def params_text(calibration: Calibration, name: str) -> str:
     geometry, (left, right) = calibration.geometry, calibration.slips
     multipliers = {name: getattr(geometry, name) for name in MULTIPLIERS}
     slips = {'left_slip_variance': left, 'right_slip_variance': right}
+    if max(left, right) < NO_SLIP_M:  # nothing is known of it: what is known elsewhere stays
+        slips = {}
     bias = {'left_bias': geometry.left_wheel_radius_multiplier - 1.0,
             'right_bias': geometry.right_wheel_radius_multiplier - 1.0}
     truth = {'left_wheel_radius_multiplier': 1.0, 'right_wheel_radius_multiplier': 1.0,
