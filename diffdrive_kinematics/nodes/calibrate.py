@@ -17,7 +17,7 @@
 from dataclasses import dataclass, replace
 import signal
 import sys
-from typing import Any, Dict, List, Mapping
+from typing import Any, List, Mapping
 
 from diffdrive_kinematics.core.kinematics import WheelGeometry
 from diffdrive_kinematics.ros.inputs.wheel_watch import WheelWatch
@@ -32,7 +32,7 @@ from diffdrive_kinematics.ros.runtime.node import DiffDriveNode
 from diffdrive_kinematics.ros.runtime.output import exit_status, report
 from diffdrive_kinematics.ros.runtime.running import Interrupted, run, spin_node, Stop
 from diffdrive_kinematics.tools.calibration import Calibration, of_drives, of_squares, table
-from diffdrive_kinematics.tools.calibration_file import params_text
+from diffdrive_kinematics.tools.calibration_file import rendered
 from diffdrive_kinematics.tools.calibration_sources import read_drives, read_square_runs
 from diffdrive_kinematics.tools.collection import Collection
 from diffdrive_kinematics.tools.output_files import check_writable, write_files
@@ -47,9 +47,6 @@ from std_srvs.srv import Trigger
 PROGRESS_RATE = 0.5
 FAREWELL_S = HEARTBEAT_S + 1.0  # DDS can take that long to deliver the answer
 INTERRUPTED = 'interrupted: nothing is written'
-MISSING = (
-    "picture needs matplotlib, which is missing: pip install 'diffdrive_kinematics[plot]' or "
-    'apt install python3-matplotlib')
 
 
 @dataclass(frozen=True)
@@ -152,7 +149,7 @@ class Calibrate(DiffDriveNode[Config]):
         except Interrupted:
             response.message, self.done = INTERRUPTED, True
             return response
-        except (ValueError, ConfigurationError) as error:
+        except ValueError as error:
             response.message = f'{error}; still collecting'
             self.get_logger().error(f'cannot finish: {response.message}')
             return response
@@ -194,15 +191,6 @@ def from_files(config: Config, progress: Progress) -> Calibration:
     return replace(calibration, remarks=(*calibration.remarks, *remarks))
 
 
-def rendered(calibration: Calibration, values: Mapping[str, Any]) -> Dict[str, bytes]:
-    """Return the content of the files to write, by their names."""
-    output, picture = values['output'], values['picture']
-    files = {output: params_text(calibration, output).encode()}
-    if picture:
-        files[picture] = _picture(calibration, picture)
-    return files
-
-
 def conclude(
         calibration: Calibration, files: Mapping[str, bytes], values: Mapping[str, Any]) -> str:
     """Print the table, write the files, and return a line that names them."""
@@ -210,14 +198,6 @@ def conclude(
     written = f"wrote {', '.join(write_files(files, overwrite=values['overwrite']))}"
     report(written)
     return written
-
-
-def _picture(calibration: Calibration, name: str) -> bytes:
-    from diffdrive_kinematics.tools.calibration_drawing import picture_of
-    try:
-        return picture_of(calibration, name.rpartition('.')[2])
-    except ImportError as error:
-        raise ConfigurationError(f'{MISSING} ({error})') from error
 
 
 def work(stop: Stop) -> int:

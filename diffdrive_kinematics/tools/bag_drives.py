@@ -35,8 +35,7 @@ __all__ = [
 
 COMMANDS = 'commands'
 PROGRESS_MESSAGES = 4096
-STAMP = slice(4, 12)
-"""Where a serialised message that begins with a header has its stamp."""
+STAMP = slice(4, 12)  # of a serialised message that begins with a header
 JOINTS, ODOMETRY = 'sensor_msgs/msg/JointState', 'nav_msgs/msg/Odometry'
 TWISTS = 'geometry_msgs/msg/Twist', 'geometry_msgs/msg/TwistStamped'
 TF = 'tf2_msgs/msg/TFMessage'
@@ -120,7 +119,7 @@ def add_bag(
                     f'{path}: motion_topic and reference_topic are both {topic.name!r}, expected '
                     f'different topics, of: {_listed(bag)}')
             handles[topic.name] = (
-                _transform_handle(bag, collection, values, times) if topic.kind == TF
+                _transform_handle(collection, values, times) if topic.kind == TF
                 else _pose_handle(collection, times))
             said.append((topic, times))
         read_topics(bag, handles, progress)
@@ -230,7 +229,7 @@ def _pose_handle(collection: Collection, times: Times) -> Handle:
 
 
 def _transform_handle(
-        bag: Bag, collection: Collection, values: Mapping[str, Any], times: Times) -> Handle:
+        collection: Collection, values: Mapping[str, Any], times: Times) -> Handle:
     wanted = tuple(name.lstrip('/') for name in values['reference_frames'])
 
     def handle(message: BagMessage) -> None:

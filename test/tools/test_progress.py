@@ -20,6 +20,7 @@ from diffdrive_kinematics.tools.progress import Progress
 
 
 class Terminal(io.StringIO):
+
     def isatty(self):
         return True
 
