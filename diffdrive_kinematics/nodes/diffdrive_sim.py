@@ -95,9 +95,10 @@ def _class(kind: str) -> Type[DiffDriveNode]:
 class DiffDriveSim(DiffDriveNode[Config]):
     """Makes the other nodes, and reports where the robot believes to be and where it is."""
 
-    def __init__(self) -> None:
+    def __init__(self, name: str = 'diffdrive_sim', **node_options: Any) -> None:
         self._steady = SteadyTimers()
-        super().__init__('diffdrive_sim', DIFFDRIVE_SIM, build)
+        self.members: List[DiffDriveNode] = []
+        super().__init__(name, DIFFDRIVE_SIM, build, **node_options)
         shared: Dict[str, Any] = {'timers': self._steady}
         if self.config.clock_step_ns:
             shared = {'stepped': SteppedClock(), 'in_flight': InFlightMessages()}
@@ -105,9 +106,10 @@ class DiffDriveSim(DiffDriveNode[Config]):
         if self.config.clock_step_ns:  # now, so that what comes second does not disturb the first
             check_alone(self, {self.resolve_topic_name('/clock'): []}, patience_s=FAREWELL_S)
         neighbours = tuple(member.name for member in self.config.members)
-        self.members: List[DiffDriveNode] = [
-            kind(member.name, namespace=member.namespace, neighbours=neighbours, **shared)
-            for kind, member in zip(classes, self.config.members)]
+        for kind, member in zip(classes, self.config.members):
+            self.members.append(kind(
+                member.name, **{**node_options, 'namespace': member.namespace},
+                neighbours=neighbours, **shared))
         self.clock_driver: Any = None
         if self.config.clock_step_ns:
             from diffdrive_kinematics.ros.runtime.sim_clock import SimClockDriver
@@ -126,9 +128,9 @@ class DiffDriveSim(DiffDriveNode[Config]):
 
     def record(self, recorder: BagRecorder) -> None:
         """Have recorded what the nodes publish from now on."""
-        recorder.watch(self.publishers, self.members[0].now_ns)
+        recorder.watch(self.publishers, self.members[0].runtime.now_ns)
         for member in self.members:
-            recorder.watch(member.publishers, member.now_ns)
+            recorder.watch(member.publishers, member.runtime.now_ns)
 
     def run(self, stop: Stop) -> None:
         """Run until the sequences are done and the robot rests, or until asked to stop."""
@@ -139,9 +141,15 @@ class DiffDriveSim(DiffDriveNode[Config]):
                 self.clock_driver.spin(executor, self._finished, stop)
             else:
                 spin(executor, self._steady, self._finished, stop,
-                     needs_wakeup=any(node.needs_wakeup for node in self.members))
+                     needs_wakeup=any(node.runtime.needs_wakeup for node in self.members))
         finally:
             finish(self.members, executor)
+
+    def destroy_node(self) -> None:
+        """Destroy the other nodes, too."""
+        for node in self.members:
+            node.destroy_node()
+        super().destroy_node()
 
     def finished(self) -> bool:
         """Return whether there was a course, and it is done."""
@@ -168,7 +176,7 @@ class DiffDriveSim(DiffDriveNode[Config]):
             self._show_progress(max(self._sequences, key=lambda node: node.length_s))
         if not self.finished():
             return False
-        now_ns = self._courses[0].now_ns()
+        now_ns = self._courses[0].runtime.now_ns()
         self._rest_by_ns = self._rest_by_ns or now_ns + REST_TIMEOUT_NS
         return now_ns > self._rest_by_ns or all(
             base.reading().rates == (0.0, 0.0) for base in self._of(*BASES))
@@ -185,7 +193,7 @@ class DiffDriveSim(DiffDriveNode[Config]):
             return
         for node in self._of('diff_drive_controller'):
             self.get_logger().info(
-                f"publish {node.command_type()} on '{node.command_topic()}' to drive; Ctrl-C "
+                f"publish {node.commands.name} on '{node.commands.topic}' to drive; Ctrl-C "
                 'ends')
 
 
@@ -218,8 +226,7 @@ def _work(stop: Stop) -> int:
     finally:
         if recorder:
             recorder.discard()
-        for node in [*sim.members, sim]:
-            node.destroy_node()
+        sim.destroy_node()
     return exit_status()
 
 
