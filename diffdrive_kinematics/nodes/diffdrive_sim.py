@@ -30,7 +30,7 @@ from diffdrive_kinematics.ros.runtime.in_flight_messages import InFlightMessages
 from diffdrive_kinematics.ros.runtime.node import DiffDriveNode
 from diffdrive_kinematics.ros.runtime.output import exit_status, report, show
 from diffdrive_kinematics.ros.runtime.running import finish, make_executor, run, spin, Stop
-from diffdrive_kinematics.tools.bag_recorder import BagRecorder
+from diffdrive_kinematics.tools.bag_recorder import BagRecorder, CannotRecord
 from diffdrive_kinematics.tools.drift_table import drift_table, progress_line, Robot
 from rclpy.logging import get_logger
 
@@ -126,11 +126,15 @@ class DiffDriveSim(DiffDriveNode[Config]):
         return [node for node, member in zip(self.members, self.config.members)
                 if member.kind in kinds]
 
-    def record(self, recorder: BagRecorder) -> None:
-        """Have recorded what the nodes publish from now on."""
+    def recorder(self) -> Optional[BagRecorder]:
+        """Return what records the nodes from now on, where they are to be recorded."""
+        if not self.parameters.values['record']:
+            return None
+        recorder = BagRecorder(self.parameters.values['record'])
         recorder.watch(self.publishers, self.members[0].runtime.now_ns)
         for member in self.members:
             recorder.watch(member.publishers, member.runtime.now_ns)
+        return recorder
 
     def run(self, stop: Stop) -> None:
         """Run until the sequences are done and the robot rests, or until asked to stop."""
@@ -208,8 +212,9 @@ def work(stop: Stop) -> int:
 
 def _work(stop: Stop) -> int:
     sim = DiffDriveSim()
-    recorder = _recorder(sim)
+    recorder = None
     try:
+        recorder = sim.recorder()
         sim.run(stop)
         if recorder:
             recorder.close()
@@ -221,26 +226,13 @@ def _work(stop: Stop) -> int:
     except Disturbed:
         time.sleep(FAREWELL_S)  # still to be seen, or the other one might never know
         raise
-    except ValueError as error:
+    except CannotRecord as error:
         raise ConfigurationError(str(error)) from error
     finally:
         if recorder:
             recorder.discard()
         sim.destroy_node()
     return exit_status()
-
-
-def _recorder(sim: DiffDriveSim) -> Optional[BagRecorder]:
-    """Return what records the drive, where it is to be recorded."""
-    path = sim.parameters.values['record']
-    if not path:
-        return None
-    try:
-        recorder = BagRecorder(path)
-    except ValueError as error:
-        raise ConfigurationError(str(error)) from error
-    sim.record(recorder)
-    return recorder
 
 
 def main() -> None:

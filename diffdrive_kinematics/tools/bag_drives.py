@@ -28,7 +28,6 @@ from diffdrive_kinematics.ros.messages.wheel_messages import WheelReader
 from diffdrive_kinematics.tools.bags import Bag, BagMessage, BagTopic, message_of, open_bag
 from diffdrive_kinematics.tools.collection import Collection
 from diffdrive_kinematics.tools.recordings import nobody
-from rclpy.impl.implementation_singleton import rclpy_implementation
 
 __all__ = [
     'COMMANDS', 'Read', 'TWISTS', 'Times', 'add_bag', 'read_topics', 'topic_of', 'twist_of']
@@ -172,7 +171,7 @@ def read_topics(bag: Bag, handles: Mapping[str, Handle], progress: Progress = no
     for number, message in enumerate(bag.messages(list(handles)), start=1):
         try:
             handles[message.topic](message)
-        except (ValueError, OverflowError, rclpy_implementation.RMWError) as error:
+        except (ValueError, OverflowError, RuntimeError) as error:
             raise ValueError(
                 f"{bag.path}, message {number} of {list(handles)!r}, '{message.topic}': "
                 f"{' '.join(str(error).split())}") from error

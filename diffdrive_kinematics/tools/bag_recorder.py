@@ -32,9 +32,13 @@ from diffdrive_kinematics.tools.output_files import check_writable, place
 from rclpy.publisher import Publisher
 from rclpy.serialization import serialize_message
 
-__all__ = ['BagRecorder']
+__all__ = ['BagRecorder', 'CannotRecord']
 
 NOT_OURS = ('/rosout', '/parameter_events')
+
+
+class CannotRecord(Exception):
+    """A bag cannot be written, and why."""
 
 
 class BagRecorder:
@@ -48,13 +52,16 @@ class BagRecorder:
 
     Raises
     ------
-    ValueError
+    CannotRecord
         If the file exists or cannot be written, or nothing is installed that writes it.
 
     """
 
     def __init__(self, path: str) -> None:
-        check_writable(path, name='record', overwrite=False)
+        try:
+            check_writable(path, name='record', overwrite=False)
+        except ValueError as error:
+            raise CannotRecord(str(error)) from error
         self._path, self._failed = path, ''
         target = Path(os.path.realpath(path))
         self._directory = target.with_name(f'.part-{secrets.token_hex(6)}')
@@ -86,7 +93,7 @@ class BagRecorder:
         return recorded
 
     def close(self) -> None:
-        """Complete the file and move it to its place; ``ValueError`` if that cannot be."""
+        """Complete the file and move it to its place; ``CannotRecord`` if that cannot be."""
         try:
             if self._failed:
                 raise OSError(self._failed)
@@ -94,7 +101,7 @@ class BagRecorder:
             written, = self._directory.glob('*.mcap')
             place(str(written), self._path, overwrite=False)
         except (OSError, RuntimeError, ValueError) as error:
-            raise ValueError(
+            raise CannotRecord(
                 f'record is {self._path!r}, which cannot be written: {error}') from error
         finally:
             self.discard()
@@ -115,7 +122,7 @@ def _writer(directory: str) -> Any:
     try:
         return _WithRosbag2Py(directory)
     except ImportError as error:
-        raise ValueError(f'{MISSING} ({error})') from error
+        raise CannotRecord(f'{MISSING} ({error})') from error
 
 
 class _WithRosbags:

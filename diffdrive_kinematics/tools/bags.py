@@ -26,7 +26,6 @@ from pathlib import Path
 import struct
 from typing import Any, Dict, Iterator, List, NamedTuple, Sequence, Tuple
 
-from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.serialization import deserialize_message
 
 __all__ = ['Bag', 'BagMessage', 'BagTopic', 'MISSING', 'is_bag', 'message_of', 'open_bag']
@@ -120,7 +119,7 @@ def message_of(message: BagMessage) -> Any:
         except ImportError:  # no wheel of tf2_msgs exists
             return _typestore().deserialize_cdr(message.data, message.kind)
         return deserialize_message(message.data, kind)
-    except (*UNREADABLE, rclpy_implementation.RMWError) as error:
+    except UNREADABLE as error:
         raise ValueError(
             f"a message of '{message.topic}' cannot be read as {message.kind}: {_words(error)}"
         ) from error
