@@ -42,7 +42,7 @@ CLASSES = {  # imported where they are composed: a robot of two nodes starts wit
     'simulated_base': 'SimulatedBase', 'wheel_odometry': 'WheelOdometry',
     'command_sequence': 'CommandSequence',
     'forward_projection': 'ForwardProjection', 'goal_steering': 'GoalSteering',
-    'robot_description': 'RobotDescription'}
+    'robot_description': 'RobotDescription', 'web_view': 'WebView'}
 BASES = 'simulated_base', 'wheel_odometry'
 DISTURBED = 1  # exit status
 FAREWELL_S = 0.5

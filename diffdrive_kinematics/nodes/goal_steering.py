@@ -101,6 +101,11 @@ class GoalSteering(DiffDriveNode[Config]):
         self._begin(Task(pose_in_plane(message.pose), self._frame_of(message)))
 
     def _on_plan(self, message: Path) -> None:
+        if not message.poses:
+            if self._tasks:
+                self._end(self._synchronised_now(), f'left {self._tasks[0]}: an empty path came',
+                          arrived=True)
+            return
         frame_id = self._frame_of(message)
         poses = [pose_in_plane(each.pose) for each in message.poses]
         self._begin(Task(waypoints_from_poses(poses), frame_id))

@@ -117,7 +117,7 @@ class Rosbag2Py:
 
     class SequentialReader:
 
-        def open(self, storage, converter):
+        def open(self, storage, converter):  # noqa: A003
             assert converter == ('cdr', 'cdr')
             try:
                 self._reader = bags.Reader(storage.uri)
