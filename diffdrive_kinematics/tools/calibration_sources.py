@@ -120,13 +120,13 @@ def _segment_from_ticks(
         series: Sequence[np.ndarray], values: Mapping[str, Any]) -> RecordedDrive:
     if not values['encoder_resolution']:
         raise ValueError(
-            'encoder_resolution is 0.0, expected the ticks of one turn of a wheel, as the file '
+            'encoder_resolution is 0.0, expected the ticks of one turn of a joint, as the file '
             'has left_ticks and right_ticks')
     time, ticks, *reference = series
     if not values['tick_increments']:
         ticks = np.diff(ticks, axis=0, prepend=ticks[:1])
     return drive_from_ticks(
-        time, ticks, *reference, ticks_per_turn=values['encoder_resolution'])
+        time, ticks, *reference, ticks_per_turn=values['encoder_resolution'] * values['gear_ratio'])
 
 
 def _rows(path: str, columns: Sequence[str]) -> np.ndarray:

@@ -26,8 +26,8 @@ from rclpy.validate_topic_name import validate_topic_name
 
 __all__ = [
     'Check', 'ParameterSpec', 'Kind', 'check_bias', 'check_concentration', 'check_count',
-    'check_description', 'check_diagonal', 'check_frame', 'check_horizon', 'check_joint_names',
-    'check_named', 'check_offset', 'check_one_of', 'check_optional_picture',
+    'check_description', 'check_diagonal', 'check_frame', 'check_gear_ratio', 'check_horizon',
+    'check_joint_names', 'check_named', 'check_offset', 'check_one_of', 'check_optional_picture',
     'check_optional_seed', 'check_optional_topic', 'check_picture', 'check_pose',
     'check_positive_or_nan', 'check_prefix', 'check_range', 'check_rate_or_off',
     'check_resolution', 'check_seed', 'check_stages', 'check_step', 'check_topic',
@@ -159,6 +159,13 @@ def check_resolution(name: str, value: float) -> None:
 def check_range(name: str, value: float) -> None:
     if value and not 1e-6 <= value <= 1e12:
         raise ValueError(f'{name} is {value!r}, expected 0, or a range from 1e-6 to 1e12 rad')
+
+
+def check_gear_ratio(name: str, value: float) -> None:
+    if not 1e-3 <= value <= 1e6:
+        raise ValueError(
+            f'{name} is {value!r}, expected turns of the motor a turn of the wheel, from 1e-3 to '
+            '1e6; where it turns the other way there is left_wheel_inverted')
 
 
 def check_pose(name: str, value: Tuple[float, ...]) -> None:

@@ -73,7 +73,7 @@ CALIBRATE = (
          Kind.STRINGS, read_only=True),
     Spec('references', [], 'CSV files time_sec,x,y,yaw, one for each of recordings; none: the '
          'recordings have these columns', Kind.STRINGS, read_only=True),
-    Spec('encoder_resolution', 0.0, 'ticks of one turn of a wheel, for files with ticks',
+    Spec('encoder_resolution', 0.0, 'ticks of one turn of a joint, for files with ticks',
          check=check_non_negative, read_only=True),
     Spec('tick_increments', False, 'ticks are those since the row before, not all so far',
          Kind.BOOL, read_only=True),
