@@ -28,7 +28,7 @@ from diffdrive_kinematics.ros.runtime.clocks import period_ns
 from diffdrive_kinematics.ros.runtime.diagnostics import Problem, RateSample, Status, WARN
 from diffdrive_kinematics.ros.runtime.node import DiffDriveNode
 from diffdrive_kinematics.ros.runtime.running import main_of
-from diffdrive_kinematics.tools.recordings import COMMAND_COLUMNS, read_columns
+from diffdrive_kinematics.tools.command_recordings import read_commands
 from geometry_msgs.msg import Twist, TwistStamped
 from rclpy.publisher import Publisher
 from rclpy.subscription import Subscription
@@ -57,8 +57,8 @@ def build(values: Mapping[str, Any]) -> Config:
                     else _square(values))
         return Config(course_from_commands(commands), values)
     try:
-        return Config(
-            course_from_recording(read_columns(values['recording'], COMMAND_COLUMNS)), values)
+        return Config(course_from_recording(
+            read_commands(values['recording'], values['cmd_vel_topic'])), values)
     except ValueError as error:
         raise ValueError(f"recording is {values['recording']!r}: {error}") from error
 
