@@ -204,8 +204,8 @@ LOOP = """\
   ros__parameters:
     wheel_motion_topic: noisy_wheel_rates
 """
-HEARD = {'wheel_rates': JointState, 'wheel_commands': Float64MultiArray, 'joint_states': JointState,
-         'noisy_wheel_rates': JointState, 'odom': Odometry}
+HEARD = {'wheel_rates': JointState, 'wheel_commands': Float64MultiArray,
+         'joint_states': JointState, 'noisy_wheel_rates': JointState, 'odom': Odometry}
 
 
 @pytest.mark.parametrize('gear', [8.0, 37.3])

@@ -29,8 +29,8 @@ __all__ = [
     'check_description', 'check_diagonal', 'check_frame', 'check_gear_ratio', 'check_horizon',
     'check_joint_names', 'check_named', 'check_offset', 'check_one_of', 'check_optional_picture',
     'check_optional_seed', 'check_optional_topic', 'check_picture', 'check_pose',
-    'check_positive_or_nan', 'check_prefix', 'check_range', 'check_rate_or_off',
-    'check_resolution', 'check_seed', 'check_stages', 'check_step', 'check_topic',
+    'check_positive_or_nan', 'check_prefix', 'check_radius_multiplier', 'check_range',
+    'check_rate_or_off', 'check_resolution', 'check_seed', 'check_stages', 'check_step', 'check_topic',
     'check_wheel_base', 'check_width', 'check_window', 'string', 'topic']
 
 Check = Callable[[str, Any], Any]
@@ -159,6 +159,13 @@ def check_resolution(name: str, value: float) -> None:
 def check_range(name: str, value: float) -> None:
     if value and not 1e-6 <= value <= 1e12:
         raise ValueError(f'{name} is {value!r}, expected 0, or a range from 1e-6 to 1e12 rad')
+
+
+def check_radius_multiplier(name: str, value: float) -> None:
+    if value < 0.0:
+        raise ValueError(f"{name} is {value!r}, expected a finite number above 0; for a motor that "
+                         f"turns the other way there is {name.partition('_')[0]}_wheel_inverted")
+    check_positive(name, value)
 
 
 def check_gear_ratio(name: str, value: float) -> None:

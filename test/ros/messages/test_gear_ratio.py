@@ -110,7 +110,8 @@ def test_wheels_of_a_side_are_compared_by_what_the_wheels_have_gone():
         read(reader, message_of(('fl', 'rl', 'fr', 'rr'), (turned, 0.0, turned, turned)))
     assert reader.gathering.disagreements() == []
     for turned in range(10, 300, 10):
-        read(reader, message_of(('fl', 'rl', 'fr', 'rr'), (float(turned), 0.0, float(turned), float(turned))))
+        position = [float(turned), 0.0, float(turned), float(turned)]
+        read(reader, message_of(('fl', 'rl', 'fr', 'rr'), position))
     assert 'rl' in reader.gathering.disagreements()[0]
 
 

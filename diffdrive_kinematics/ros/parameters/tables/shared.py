@@ -20,7 +20,8 @@ from diffdrive_kinematics.core.kinematics import check_non_negative, check_posit
 from diffdrive_kinematics.core.noise import check_distribution, DISTRIBUTIONS
 from diffdrive_kinematics.ros.parameters.parameter_spec import (
     check_bias, check_concentration, check_gear_ratio, check_joint_names, check_one_of,
-    check_pose, check_range, check_rate_or_off, Kind, ParameterSpec as Spec)
+    check_pose, check_radius_multiplier, check_range, check_rate_or_off, Kind,
+    ParameterSpec as Spec)
 
 DIAGNOSTICS = Spec(
     'diagnostics_rate', 1.0, 'rate [Hz] of the status on /diagnostics; 0: off',
@@ -51,9 +52,9 @@ RADII = (
     Spec('wheel_radius', math.nan, 'radius R of the wheels [m], above 0', check=check_positive,
          required=True),
     Spec('left_wheel_radius_multiplier', 1.0, 'effective over nominal radius of the left wheels',
-         check=check_positive),
+         check=check_radius_multiplier),
     Spec('right_wheel_radius_multiplier', 1.0,
-         'effective over nominal radius of the right wheels', check=check_positive))
+         'effective over nominal radius of the right wheels', check=check_radius_multiplier))
 SEPARATION = (
     Spec('wheel_separation', math.nan,
          'distance L between left and right wheels [m], above 0', check=check_positive,
