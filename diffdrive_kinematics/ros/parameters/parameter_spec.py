@@ -30,8 +30,8 @@ __all__ = [
     'check_joint_names', 'check_named', 'check_offset', 'check_one_of', 'check_optional_picture',
     'check_optional_seed', 'check_optional_topic', 'check_picture', 'check_pose',
     'check_positive_or_nan', 'check_prefix', 'check_radius_multiplier', 'check_range',
-    'check_rate_or_off', 'check_resolution', 'check_seed', 'check_stages', 'check_step', 'check_topic',
-    'check_wheel_base', 'check_width', 'check_window', 'string', 'topic']
+    'check_rate_or_off', 'check_resolution', 'check_seed', 'check_stages', 'check_step',
+    'check_topic', 'check_wheel_base', 'check_width', 'check_window', 'string', 'topic']
 
 Check = Callable[[str, Any], Any]
 MOST, MOST_STAGES, MOST_IN_WINDOW = 100_000, 25, 1000
@@ -163,8 +163,8 @@ def check_range(name: str, value: float) -> None:
 
 def check_radius_multiplier(name: str, value: float) -> None:
     if value < 0.0:
-        raise ValueError(f"{name} is {value!r}, expected a finite number above 0; for a motor that "
-                         f"turns the other way there is {name.partition('_')[0]}_wheel_inverted")
+        raise ValueError(f'{name} is {value!r}, expected a finite number above 0; for motors that '
+                         'turn the other way there are left_wheel_inverted, right_wheel_inverted')
     check_positive(name, value)
 
 
