@@ -28,10 +28,10 @@ __all__ = [
     'Check', 'ParameterSpec', 'Kind', 'check_bias', 'check_concentration', 'check_count',
     'check_description', 'check_diagonal', 'check_frame', 'check_gear_ratio', 'check_horizon',
     'check_joint_names', 'check_named', 'check_offset', 'check_one_of', 'check_optional_picture',
-    'check_optional_seed', 'check_optional_topic', 'check_picture', 'check_pose',
+    'check_optional_seed', 'check_optional_topic', 'check_picture', 'check_port', 'check_pose',
     'check_positive_or_nan', 'check_prefix', 'check_radius_multiplier', 'check_range',
     'check_rate_or_off', 'check_resolution', 'check_seed', 'check_stages', 'check_step',
-    'check_topic', 'check_wheel_base', 'check_width', 'check_window', 'string', 'topic']
+    'check_topic', 'check_wheel_base', 'check_window', 'string', 'topic']
 
 Check = Callable[[str, Any], Any]
 MOST, MOST_STAGES, MOST_IN_WINDOW = 100_000, 25, 1000
@@ -98,6 +98,11 @@ def check_offset(name: str, value: float) -> None:
             f'{name} is {value!r}, expected seconds within +-{MOST_OFFSET:g}, or NaN')
 
 
+def check_port(name: str, value: int) -> None:
+    if not 0 <= value <= 65535:
+        raise ValueError(f'{name} is {value}, expected 0 to 65535')
+
+
 def check_count(name: str, value: int) -> None:
     if not 1 <= value <= MOST:
         raise ValueError(f'{name} is {value!r}, expected an integer from 1 to {MOST}')
@@ -139,11 +144,6 @@ def check_one_of(*known: str) -> Check:
 def check_description(name: str, value: str) -> None:
     if value and not value.endswith(('.urdf', '.yaml')):
         raise ValueError(f'{name} is {value!r}, expected the name of a .urdf or .yaml file')
-
-
-def check_width(name: str, value: float) -> None:
-    if not math.isnan(value):
-        check_positive(name, value)
 
 
 def check_wheel_base(name: str, value: float) -> None:

@@ -21,13 +21,12 @@ run time is judged first, without side effects, and applied only after it was ac
 """
 
 from dataclasses import dataclass
-import sys
 from typing import (
-    Any, Callable, Collection, Dict, Generic, Iterable, List, Mapping, Optional, Tuple, TypeVar)
+    Any, Callable, Collection, Dict, Generic, Iterable, List, Mapping, Optional, Sequence, Tuple,
+    TypeVar)
 
 from diffdrive_kinematics.ros.parameters.configuration_error import ConfigurationError
 from diffdrive_kinematics.ros.parameters.descriptors import descriptor_of
-from diffdrive_kinematics.ros.parameters.overrides import given_overrides
 from diffdrive_kinematics.ros.parameters.parameter_spec import Kind, ParameterSpec
 from diffdrive_kinematics.ros.parameters.sections import (
     doubts, misplaced, params_files, sections_of)
@@ -113,8 +112,12 @@ class ParameterSet(Generic[Config]):
         What the node knows.
     build : callable
         Values by name -> frozen configuration; raises ``ValueError``.
+    given : mapping
+        What was set for the node from outside, by name.
     neighbours : collection of str, optional
         Names of all nodes of the process, where it has several.
+    argv : sequence of str, optional
+        Arguments that name the node's params files.
 
     Raises
     ------
@@ -125,15 +128,14 @@ class ParameterSet(Generic[Config]):
 
     def __init__(
             self, node: Node, table: Tuple[ParameterSpec, ...],
-            build: Callable[[Mapping[str, Any]], Config],
-            neighbours: Collection[str] = ()) -> None:
+            build: Callable[[Mapping[str, Any]], Config], given: Mapping[str, Parameter],
+            neighbours: Collection[str] = (), argv: Sequence[str] = ()) -> None:
         self._node = node
         self._table = {entry.name: entry for entry in table}
         self._build = build
         self._on_change: Optional[Callable[[Config], None]] = None
-        given = given_overrides(node)
         report_unknown(node, given, self._table)
-        self._report_doubts(given, neighbours)
+        self._report_doubts(given, neighbours, argv)
         self._judged = self._judge_start(given)
         node.add_pre_set_parameters_callback(self._in_their_types)
         node.add_on_set_parameters_callback(self._judge_change)
@@ -179,6 +181,8 @@ class ParameterSet(Generic[Config]):
     def _declared(self, entry: ParameterSpec, given: Optional[Parameter]) -> Any:
         """Declare a parameter with what was set for it, and return that."""
         parameter = given and self._in_its_type(entry, given)
+        if self._node.has_parameter(entry.name):  # rclpy declared it, and knows no table
+            self._node.undeclare_parameter(entry.name)
         return self._node.declare_parameter(
             entry.name, parameter.value if parameter else entry.default, descriptor_of(entry),
             ignore_override=True).value
@@ -228,9 +232,10 @@ class ParameterSet(Generic[Config]):
             self._on_change(judged.config)
 
     def _report_doubts(
-            self, given: Mapping[str, Parameter], neighbours: Collection[str]) -> None:
+            self, given: Mapping[str, Parameter], neighbours: Collection[str],
+            argv: Sequence[str]) -> None:
         """Report sections, and names in them, that were probably meant for another node."""
-        sections, node = sections_of(params_files(sys.argv)), self._node.get_fully_qualified_name()
+        sections, node = sections_of(params_files(argv)), self._node.get_fully_qualified_name()
         for text in (*doubts(sections, node, tuple(self._table.values()), given, neighbours),
                      *misplaced(sections, node, self._table)):
             self._node.get_logger().warning(text)

@@ -21,7 +21,7 @@ from diffdrive_kinematics.core.kinematics import check_non_negative, check_posit
 from diffdrive_kinematics.ros.parameters.parameter_spec import (
     check_count, check_description, check_frame, check_named, check_one_of, check_optional_picture,
     check_picture, check_positive_or_nan, check_seed, check_stages, check_step, check_wheel_base,
-    check_width, Kind, ParameterSpec as Spec, string, topic)
+    Kind, ParameterSpec as Spec, string, topic)
 from diffdrive_kinematics.ros.parameters.tables.shared import (
     BIAS, DISTRIBUTION, ENCODER_RANGE, EXECUTOR, GEOMETRY, JOINTS, SEPARATION, SLIP, SQUARE, START)
 
@@ -112,7 +112,7 @@ ROBOT_DESCRIPTION = (
     Spec('wheel_base', math.nan, 'distance [m] from the first to the last wheel of a side, which '
          'are in order from front to rear; NaN: 2.5 radii a wheel', check=check_wheel_base),
     Spec('wheel_width', math.nan, 'width [m] of the wheels, above 0; NaN: half a radius',
-         check=check_width),
+         check=check_positive_or_nan),
     string('output', '', 'file to write instead: .urdf, or .yaml, a params file for '
            'robot_state_publisher; empty: publish', check_description),
     OVERWRITE,
