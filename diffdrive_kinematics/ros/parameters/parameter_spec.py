@@ -30,8 +30,8 @@ __all__ = [
     'check_joint_names', 'check_named', 'check_offset', 'check_one_of', 'check_optional_picture',
     'check_optional_seed', 'check_optional_topic', 'check_picture', 'check_port', 'check_pose',
     'check_positive_or_nan', 'check_prefix', 'check_radius_multiplier', 'check_range',
-    'check_rate_or_off', 'check_resolution', 'check_seed', 'check_stages', 'check_step',
-    'check_topic', 'check_wheel_base', 'check_window', 'string', 'topic']
+    'check_rate_or_off', 'check_recording', 'check_resolution', 'check_seed', 'check_stages',
+    'check_step', 'check_topic', 'check_wheel_base', 'check_window', 'string', 'topic']
 
 Check = Callable[[str, Any], Any]
 MOST, MOST_STAGES, MOST_IN_WINDOW = 100_000, 25, 1000
@@ -132,6 +132,11 @@ def check_picture(name: str, value: str) -> None:
 def check_optional_picture(name: str, value: str) -> None:
     if value:
         check_picture(name, value)
+
+
+def check_recording(name: str, value: str) -> None:
+    if value and not value.endswith('.mcap'):
+        raise ValueError(f'{name} is {value!r}, expected the name of an .mcap file')
 
 
 def check_one_of(*known: str) -> Check:
