@@ -31,9 +31,10 @@ from diffdrive_kinematics.ros.runtime.node import DiffDriveNode
 from diffdrive_kinematics.ros.runtime.output import exit_status, report
 from diffdrive_kinematics.ros.runtime.running import run, spin_node, Stop
 from diffdrive_kinematics.tools.calibration import Calibration, of_drives, of_squares, table
-from diffdrive_kinematics.tools.calibration_file import check_writable, params_text, write
+from diffdrive_kinematics.tools.calibration_file import params_text
 from diffdrive_kinematics.tools.calibration_sources import (
     Collection, motion_of, read_drives, read_square_runs)
+from diffdrive_kinematics.tools.output_files import check_writable, write_files
 from geometry_msgs.msg import PoseStamped
 from nav_msgs.msg import Odometry
 from rclpy.clock import Clock
@@ -162,7 +163,7 @@ def conclude(calibration: Calibration, values: Mapping[str, Any]) -> str:
     if picture:
         files[picture] = _picture(calibration, picture)
     report(table(calibration))
-    written = f"wrote {', '.join(write(files, overwrite=values['overwrite']))}"
+    written = f"wrote {', '.join(write_files(files, overwrite=values['overwrite']))}"
     report(written)
     return written
 

@@ -21,7 +21,7 @@ from typing import Any, Dict, List, Mapping, Sequence, Set
 from diffdrive_kinematics.core.commands import (
     Course, course_from_commands, course_from_recording, square_course)
 from diffdrive_kinematics.core.kinematics import Command
-from diffdrive_kinematics.ros.messages.messages import TwistMessage
+from diffdrive_kinematics.ros.messages.codec import TwistCodec
 from diffdrive_kinematics.ros.parameters.from_values import commands_from
 from diffdrive_kinematics.ros.parameters.tables import COMMAND_SEQUENCE
 from diffdrive_kinematics.ros.runtime.clocks import period_ns
@@ -89,7 +89,7 @@ class CommandSequence(DiffDriveNode[Config]):
         self._start_ns = -1
         self._next = 0
         stamped = values['enable_stamped_cmd_vel']
-        self._message = TwistMessage(values['base_frame_id'] if stamped else None)
+        self._message = TwistCodec(values['base_frame_id'] if stamped else None)
         self._loop = values['loop']
         self._publisher = self.publisher(
             TwistStamped if stamped else Twist, values['cmd_vel_topic'])

@@ -22,9 +22,9 @@ from diffdrive_kinematics.core.commands import Drive, DriveSettings, STILL, Twis
 from diffdrive_kinematics.ros.inputs.command_intake import Backlog, CommandIntake, LATE_NS
 from diffdrive_kinematics.ros.inputs.emergency_stop import EmergencyStop
 from diffdrive_kinematics.ros.inputs.publisher_watch import PublisherWatch
-from diffdrive_kinematics.ros.messages.messages import TwistMessage
+from diffdrive_kinematics.ros.messages.codec import TwistCodec
 from diffdrive_kinematics.ros.messages.wheel_joints import wheel_joints
-from diffdrive_kinematics.ros.messages.wheel_messages import WheelCommandMessage, WheelMessage
+from diffdrive_kinematics.ros.messages.wheel_messages import WheelCommandWriter, WheelWriter
 from diffdrive_kinematics.ros.parameters.from_values import (
     axis_limits, check_sides, check_wiring, wheel_geometry)
 from diffdrive_kinematics.ros.parameters.tables import DIFF_DRIVE_CONTROLLER
@@ -69,9 +69,9 @@ class DiffDriveController(DiffDriveNode[Config]):
         super().__init__(name, DIFF_DRIVE_CONTROLLER, build, **composition)
         values = self.config.values
         joints = wheel_joints(values)
-        self._wheels = WheelMessage(joints, self.source())
-        self._wheel_commands = WheelCommandMessage(joints)
-        self._twist = TwistMessage(values['base_frame_id'])
+        self._wheels = WheelWriter(joints, self.source())
+        self._wheel_commands = WheelCommandWriter(joints)
+        self._twist = TwistCodec(values['base_frame_id'])
         self._drive = Drive(self.config.drive, self.now_ns())
         self._told_ns = -1
         self._sent_by_tick = 0
@@ -152,8 +152,7 @@ class DiffDriveController(DiffDriveNode[Config]):
 
     def _go_on(self, now_ns: int) -> None:
         """Take the time since the last command ended, of which nobody was told, for none."""
-        drive = self._drive.clock_stepped(now_ns - self._drive.deadline_ns)
-        self._drive = drive._replace(deadline_ns=None)
+        self._drive = self._drive.resumed(now_ns)
 
     def _end_early(self, now_ns: int, age_ns: int) -> None:
         """Let a command that was long on its way end a timeout after it was sent."""

@@ -19,10 +19,11 @@ import math
 from typing import Any, List, Mapping, NamedTuple, Optional, Sequence, Union
 
 from diffdrive_kinematics.core.commands import (
-    Approach, HeadingRegulator, Law, PointForward, Points, points_of, PoseController, PurePursuit,
-    Steered, SteeringLimits)
+    HeadingRegulator, Law, PointForward, PoseController, Progress, PurePursuit,
+    SteeringCommand, SteeringLimits, Waypoints, waypoints_from_poses)
 from diffdrive_kinematics.core.kinematics import check_finite, Pose
-from diffdrive_kinematics.ros.messages.messages import nanoseconds, pose_in_plane, TwistMessage
+from diffdrive_kinematics.ros.messages.codec import TwistCodec
+from diffdrive_kinematics.ros.messages.messages import nanoseconds, pose_in_plane
 from diffdrive_kinematics.ros.parameters.tables import GOAL_STEERING
 from diffdrive_kinematics.ros.runtime.diagnostics import (
     heard_values, quiet, RateSample, Status, unheard)
@@ -48,12 +49,12 @@ class Config:
 class Task(NamedTuple):
     """Where to go, in a frame; an empty one is that of the odometry."""
 
-    target: Union[Pose, Points]
+    target: Union[Pose, Waypoints]
     frame_id: str
 
     def __str__(self) -> str:
         """Return it in words."""
-        if isinstance(self.target, Points):
+        if isinstance(self.target, Waypoints):
             return f'the path of {len(self.target.points)} points'
         return 'the goal x {:.3f} m, y {:.3f} m, yaw {:.3f} rad'.format(*self.target)
 
@@ -104,9 +105,9 @@ class GoalSteering(DiffDriveNode[Config]):
         self._along = 0.0
         self._seen: Optional[Seen] = None
         self._standing = False
-        self._approach = Approach(math.inf, math.inf, 0)
+        self._progress = Progress(math.inf, math.inf, 0)
         stamped = values['enable_stamped_cmd_vel']
-        self._message = TwistMessage(values['base_frame_id'] if stamped else None)
+        self._message = TwistCodec(values['base_frame_id'] if stamped else None)
         self._publisher = self.publisher(
             TwistStamped if stamped else Twist, values['cmd_vel_topic'])
         self.subscribe(Odometry, values['odom_topic'], self._on_odometry)
@@ -129,8 +130,8 @@ class GoalSteering(DiffDriveNode[Config]):
 
     def _on_plan(self, message: Path) -> None:
         frame_id = self._frame_of(message)
-        self._begin(Task(points_of([pose_in_plane(each.pose) for each in message.poses]),
-                         frame_id))
+        poses = [pose_in_plane(each.pose) for each in message.poses]
+        self._begin(Task(waypoints_from_poses(poses), frame_id))
 
     def _frame_of(self, message: Union[PoseStamped, Path]) -> str:
         """Return the frame of a goal, or raise ``ValueError`` where it is not the odometry's."""
@@ -147,14 +148,14 @@ class GoalSteering(DiffDriveNode[Config]):
 
     def _set_out(self, now_ns: int) -> None:
         """Forget what was of the task before."""
-        self._along, self._approach = 0.0, Approach(math.inf, math.inf, now_ns)
+        self._along, self._progress = 0.0, Progress(math.inf, math.inf, now_ns)
 
     def _tick(self) -> None:
         now_ns = self._synchronised_now()
         if not self._tasks:
             return
         if self._is_blind(now_ns):
-            self._approach = self._approach._replace(since_ns=now_ns)  # that time does not count
+            self._progress = self._progress._replace(since_ns=now_ns)  # that time does not count
             self._send(now_ns, 0.0, 0.0)
             return
         task, seen = self._tasks[0], self._seen
@@ -163,20 +164,20 @@ class GoalSteering(DiffDriveNode[Config]):
                               f"'{seen.frame_id}'")
             return
         steered = self._steered(task.target, seen.pose)
-        self._approach = self._approach.looked(steered, now_ns)
+        self._progress = self._progress.updated(steered, now_ns)
         patience = self.config.values['patience']
         if steered.arrived:
             self._arrive(now_ns, task, steered)
-        elif now_ns - self._approach.since_ns > patience * 1e9:
+        elif now_ns - self._progress.since_ns > patience * 1e9:
             self._end(now_ns, f'gave up {task}: the robot came no nearer for {patience:g} s, '
                               f'{steered.distance:.3f} m before it')
         else:
             self._send(now_ns, *steered.twist)
 
-    def _steered(self, target: Union[Pose, Points], pose: Pose) -> Steered:
+    def _steered(self, target: Union[Pose, Waypoints], pose: Pose) -> SteeringCommand:
         if isinstance(target, Pose):
-            return self.config.law.steered(pose, target)
-        steered, self._along = self.config.pursuit.pursued(pose, target, self._along)
+            return self.config.law.steer(pose, target)
+        steered, self._along = self.config.pursuit.follow(pose, target, self._along)
         return steered
 
     def _is_blind(self, now_ns: int) -> bool:
@@ -198,7 +199,7 @@ class GoalSteering(DiffDriveNode[Config]):
         self._standing = blind
         return blind
 
-    def _arrive(self, now_ns: int, task: Task, steered: Steered) -> None:
+    def _arrive(self, now_ns: int, task: Task, steered: SteeringCommand) -> None:
         self.counts['arrivals'] += 1
         turn = f' and {abs(steered.turn):.3f} rad' if steered.turn else ''
         text = f'arrived at {task}: {1000.0 * steered.distance:.0f} mm{turn} off'
@@ -228,7 +229,7 @@ class GoalSteering(DiffDriveNode[Config]):
     def _synchronised_now(self) -> int:
         now_ns, step_ns = self.now_and_step()
         if step_ns:
-            self._approach = self._approach._replace(since_ns=self._approach.since_ns + step_ns)
+            self._progress = self._progress._replace(since_ns=self._progress.since_ns + step_ns)
         return now_ns
 
     def status(self, look: RateSample) -> Status:
@@ -237,7 +238,7 @@ class GoalSteering(DiffDriveNode[Config]):
         topic = self.resolve_topic_name(values['odom_topic'])
         return Status({
             'state': f'driving to {self._tasks[0]}' if self._tasks else 'without a goal',
-            'distance left [m]': self._approach.distance if self._tasks else 0.0,
+            'distance left [m]': self._progress.distance if self._tasks else 0.0,
             'arrivals': self.counts['arrivals'], 'given up': self.counts['given up'],
             'odometry timeouts': self.counts['odometry timeouts'],
             **heard_values(self.statistics, look.now_ns, 'odometry')}, [

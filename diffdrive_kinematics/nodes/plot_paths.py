@@ -30,8 +30,9 @@ from diffdrive_kinematics.ros.parameters.tables import PLOT_PATHS
 from diffdrive_kinematics.ros.runtime.node import DiffDriveNode
 from diffdrive_kinematics.ros.runtime.output import exit_status, report
 from diffdrive_kinematics.ros.runtime.running import run, Stop
-from diffdrive_kinematics.tools.drawing import draw, Picture
+from diffdrive_kinematics.tools.drawing import drawn, Picture
 from diffdrive_kinematics.tools.model_paths import model_config, model_pictures, ModelConfig
+from diffdrive_kinematics.tools.output_files import check_writable, write_files
 import numpy as np
 
 MISSING = (
@@ -144,14 +145,15 @@ class PlotPaths(DiffDriveNode[Union[Config, ModelConfig]]):
 def work(_: Stop) -> int:
     """Draw the picture; return the exit status."""
     node = PlotPaths()
-    file = node.parameters.values['output']
+    file, overwrite = (node.parameters.values[name] for name in ('output', 'overwrite'))
     try:
-        draw(_pictures(node.config), file)
+        check_writable(file, overwrite=overwrite)
+        picture = drawn(_pictures(node.config), file.rpartition('.')[2])
+        write_files({file: picture}, overwrite=overwrite)
     except ImportError as error:
         raise ConfigurationError(f'{MISSING} ({error})') from error
-    except OSError as error:
-        raise ConfigurationError(
-            f'output is {file!r}, expected a file that can be written: {error}') from error
+    except ValueError as error:
+        raise ConfigurationError(str(error)) from error
     finally:
         node.destroy_node()
     report(file)

@@ -25,6 +25,7 @@ from diffdrive_kinematics.ros.parameters.qos import latched
 from diffdrive_kinematics.ros.parameters.tables import ROBOT_DESCRIPTION
 from diffdrive_kinematics.ros.runtime.node import DiffDriveNode
 from diffdrive_kinematics.ros.runtime.running import main_of
+from diffdrive_kinematics.tools.output_files import write_files
 from std_msgs.msg import String
 
 WIDTH = 0.5  # of a wheel whose width is not set, in radii
@@ -71,14 +72,12 @@ class RobotDescription(DiffDriveNode[Config]):
         self._publisher.publish(String(data=config.urdf))
 
     def _write(self, file: str) -> None:
+        text = _params_file(self.config.urdf) if file.endswith('.yaml') else self.config.urdf
         try:
-            with open(file, 'w', encoding='utf-8') as out:
-                out.write(_params_file(self.config.urdf) if file.endswith('.yaml')
-                          else self.config.urdf)
-        except OSError as error:
+            write_files({file: text.encode()}, overwrite=self.config.values['overwrite'])
+        except ValueError as error:
             raise ConfigurationError(
-                f'{self.get_fully_qualified_name()} refuses to start: output is {file!r}, '
-                f'expected a file that can be written ({error.strerror})') from error
+                f'{self.get_fully_qualified_name()} refuses to start: {error}') from error
         self.get_logger().info(f'wrote {file}')
 
 

@@ -14,14 +14,11 @@
 
 """The params file that ``calibrate`` writes."""
 
-import os
-from pathlib import Path
-import tempfile
-from typing import List, Mapping, Tuple
+from typing import List, Mapping
 
 from diffdrive_kinematics.tools.calibration import Calibration, MULTIPLIERS
 
-__all__ = ['check_writable', 'params_text', 'write']
+__all__ = ['params_text']
 
 HEAD = """\
 # Written by calibrate ({method}: {remark}).
@@ -70,45 +67,3 @@ def _number(value: float) -> str:
     mantissa, exponent, power = repr(float(value)).partition('e')
     point = '' if '.' in mantissa else '.0'
     return f'{mantissa}{point if exponent else ""}{exponent}{power}'
-
-
-def check_writable(path: str, *, name: str = 'output', overwrite: bool) -> None:
-    """Raise ``ValueError`` unless a file can be written there, without writing it."""
-    file = Path(path)
-    if file.is_dir():
-        raise ValueError(f'{name} is {path!r}, which is a directory, expected a file')
-    if file.exists() and not overwrite:
-        raise ValueError(
-            f'{name} is {path!r}, which exists, expected a new file, or overwrite to be true')
-    try:
-        with tempfile.TemporaryFile(dir=file.parent):
-            pass
-    except OSError as error:
-        raise ValueError(
-            f'{name} is {path!r}, expected a file in a directory that can be written: {error}'
-        ) from error
-
-
-def write(files: Mapping[str, bytes], *, overwrite: bool) -> Tuple[str, ...]:
-    """
-    Write all files, each as a whole, and return their names.
-
-    Raises
-    ------
-    ValueError
-        If one exists that must not be overwritten, or cannot be written.
-
-    """
-    for path in files:
-        check_writable(path, overwrite=overwrite)
-    for path, content in files.items():
-        handle, name = tempfile.mkstemp(dir=Path(path).parent, prefix='.calibrate-')
-        try:
-            with os.fdopen(handle, 'wb') as file:
-                file.write(content)
-            os.chmod(name, 0o644)
-            os.replace(name, path)
-        except OSError as error:
-            os.unlink(name)
-            raise ValueError(f'{path} cannot be written: {error}') from error
-    return tuple(files)

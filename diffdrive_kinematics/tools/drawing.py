@@ -14,6 +14,7 @@
 
 """The picture of a course under slip: sample paths, covariance ellipses, what can be reached."""
 
+import io
 from typing import Any, List, NamedTuple, Sequence, Tuple
 
 from diffdrive_kinematics.core.kinematics import Pose
@@ -21,7 +22,7 @@ from diffdrive_kinematics.core.noise import PoseCovariance
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ['Picture', 'draw', 'ellipse']
+__all__ = ['Picture', 'drawn', 'ellipse']
 
 CHI_SQUARE_95 = 5.991
 """What holds 95 % of a chi-square with 2 degrees of freedom."""
@@ -57,9 +58,9 @@ def ellipse(mean: Pose, covariance: PoseCovariance) -> Outline:
     return mean.x + points[0], mean.y + points[1]
 
 
-def draw(pictures: Sequence[Picture], file: str) -> None:
+def drawn(pictures: Sequence[Picture], suffix: str) -> bytes:
     """
-    Draw pictures of one course side by side into a .png or .svg file.
+    Return pictures of one course side by side as the bytes of a ``png`` or ``svg`` file.
 
     Raises
     ------
@@ -79,7 +80,9 @@ def draw(pictures: Sequence[Picture], file: str) -> None:
     shared[0].set_ylabel('y [m]')
     figure.legend(*shared[0].get_legend_handles_labels(), loc='outside lower center', ncols=2,
                   fontsize='small', frameon=False)
-    figure.savefig(file, dpi=150)
+    file = io.BytesIO()
+    figure.savefig(file, format=suffix, dpi=150)
+    return file.getvalue()
 
 
 def _draw_into(axes: Any, picture: Picture) -> None:

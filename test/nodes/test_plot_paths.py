@@ -84,6 +84,8 @@ def test_the_program_draws_the_picture_of_its_yaml(graph, tmp_path, name, begins
     assert program.wait() == 0, program.output
     assert (tmp_path / name).read_bytes().startswith(begins)
     assert program.output.strip() == str(tmp_path / name)
+    again = graph.start('plot_paths', args=['--ros-args', '-p', f'output:={tmp_path / name}'])
+    assert again.wait() == 2 and 'which exists' in again.output
 
 
 @MATPLOTLIB

@@ -139,9 +139,23 @@ def test_a_file_for_robot_state_publisher_has_the_urdf_as_its_parameter(graph, t
         node.destroy_node()
 
 
+def test_the_params_file_of_the_robot_is_not_written_over_unless_asked_to(graph, tmp_path):
+    params = tmp_path / 'robot.yaml'
+    text = '/**:\n  ros__parameters: {wheel_radius: 0.1, wheel_separation: 0.4}\n'
+    params.write_text(text)
+    args = ['--ros-args', '--params-file', str(params), '-p', f'output:={params}']
+    refused = graph.start('robot_description', args=args)
+    assert refused.wait() == 2 and 'which exists' in refused.output
+    assert len(refused.output.strip().splitlines()) == 1, refused.output
+    assert params.read_text() == text
+    asked = graph.start('robot_description', args=[*args, '-p', 'overwrite:=true'])
+    assert asked.wait() == 0, asked.output
+    assert 'robot_description: |' in params.read_text()
+
+
 @pytest.mark.parametrize('name, value, words', [
     ('output', 'robot.txt', 'a .urdf or .yaml file'),
-    ('output', '/no/such/robot.urdf', 'a file that can be written'),
+    ('output', '/no/such/robot.urdf', 'a directory that can be written'),
     ('wheel_width', 0.0, 'above 0'), ('wheel_base', -1.0, '0 or above'),
     ('right_wheel_names', ['left_wheel_joint'], 'different joints')])
 def test_what_cannot_be_described_is_refused(graph, name, value, words):

@@ -37,7 +37,7 @@ from typing import List, NamedTuple, Optional, Sequence, Tuple
 
 from diffdrive_kinematics.core.calibration.estimate import Estimate
 from diffdrive_kinematics.core.kinematics import (
-    check_non_negative, Pose, WheelGeometry, wrap_angle)
+    between, check_non_negative, Pose, WheelGeometry, wrap_angle)
 from diffdrive_kinematics.core.noise import covariance_along
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -358,10 +358,7 @@ class _Components(NamedTuple):
 
 def _relative(before: Pose, after: Pose) -> Array:
     """Return the pose ``after`` in the frame of ``before``, shape (3,); theta not wrapped."""
-    dx, dy = float(after.x) - float(before.x), float(after.y) - float(before.y)
-    cosine, sine = math.cos(float(before.theta)), math.sin(float(before.theta))
-    return np.array([cosine * dx + sine * dy, cosine * dy - sine * dx,
-                     float(after.theta) - float(before.theta)])
+    return np.array(between(Pose(*map(float, before)), Pose(*map(float, after))))
 
 
 def _heading_noise(x: float, y: float) -> Array:

@@ -18,27 +18,31 @@ From what is asked for to what the wheels are told, over time.
 Limits of velocity, acceleration and jerk, the bound of the wheel rates, the drive that ramps and
 times out; courses to drive: recordings and the square of UMBmark; and steering laws, which find
 the command from where the robot is: :class:`HeadingRegulator`, :class:`PointForward`,
-:class:`PoseController`, and :class:`PurePursuit` along :class:`Points`.
+:class:`PoseController`, and :class:`PurePursuit` along :class:`Waypoints`.
 """
 
-from diffdrive_kinematics.core.commands.drive import (
-    Drive, DriveSettings, STILL, Twist, WheelCommand)
+from diffdrive_kinematics.core.commands.drive import Drive
+from diffdrive_kinematics.core.commands.drive_settings import DriveSettings
 from diffdrive_kinematics.core.commands.easing import eased, largest_change
 from diffdrive_kinematics.core.commands.limits import AxisLimits
 from diffdrive_kinematics.core.commands.playback import (
     Course, course_from_commands, course_from_recording, TimedTwist)
 from diffdrive_kinematics.core.commands.pose_controller import PoseController
-from diffdrive_kinematics.core.commands.pursuit import Points, points_of, PurePursuit, Pursued
+from diffdrive_kinematics.core.commands.pursuit import PurePursuit, PursuitCommand
 from diffdrive_kinematics.core.commands.ramp import ramp_step, RampStep
 from diffdrive_kinematics.core.commands.saturation import (
     saturate, SaturatedRates, wheel_bound, WheelBound)
 from diffdrive_kinematics.core.commands.square_course import QUARTER, square_course
 from diffdrive_kinematics.core.commands.steering import (
-    Approach, HeadingRegulator, Law, PointForward, Steered, SteeringLimits)
+    Law, Progress, SteeringCommand, SteeringLimits)
+from diffdrive_kinematics.core.commands.steering_laws import HeadingRegulator, PointForward
+from diffdrive_kinematics.core.commands.waypoints import Waypoints, waypoints_from_poses
+from diffdrive_kinematics.core.commands.wheel_command import STILL, Twist, WheelCommand
 
 __all__ = [
-    'Approach', 'AxisLimits', 'Course', 'Drive', 'DriveSettings', 'WheelCommand',
-    'HeadingRegulator', 'Law', 'PointForward', 'Points', 'PoseController', 'PurePursuit',
-    'Pursued', 'QUARTER', 'RampStep', 'STILL', 'SaturatedRates', 'Steered', 'SteeringLimits',
-    'TimedTwist', 'Twist', 'WheelBound', 'course_from_commands', 'course_from_recording', 'eased',
-    'largest_change', 'points_of', 'ramp_step', 'saturate', 'square_course', 'wheel_bound']
+    'AxisLimits', 'Course', 'Drive', 'DriveSettings', 'HeadingRegulator', 'Law', 'PointForward',
+    'PoseController', 'Progress', 'PurePursuit', 'PursuitCommand', 'QUARTER', 'RampStep', 'STILL',
+    'SaturatedRates', 'SteeringCommand', 'SteeringLimits', 'TimedTwist', 'Twist', 'Waypoints',
+    'WheelBound', 'WheelCommand', 'course_from_commands', 'course_from_recording', 'eased',
+    'largest_change', 'ramp_step', 'saturate', 'square_course', 'waypoints_from_poses',
+    'wheel_bound']

@@ -21,139 +21,18 @@ change is stamped with the time from which it holds, computed from the stamps of
 never from the moment at which somebody asked, so timers only decide when a change is told.
 """
 
-from dataclasses import dataclass
-from functools import cached_property
-import math
-from typing import List, NamedTuple, Optional, Tuple
+from typing import List, Optional, Tuple
 
-from diffdrive_kinematics.core.commands.limits import AxisLimits
-from diffdrive_kinematics.core.commands.ramp import ramp_step
-from diffdrive_kinematics.core.commands.saturation import saturate, wheel_bound, WheelBound
+from diffdrive_kinematics.core.commands.drive_settings import DriveSettings
+from diffdrive_kinematics.core.commands.drive_state import DriveState
+from diffdrive_kinematics.core.commands.wheel_command import STILL, Twist, WheelCommand
 from diffdrive_kinematics.core.kinematics import (
-    check_duration, check_rate, is_sane, LARGEST, RunningSum, wheel_rates_from_twist,
-    WheelGeometry)
+    is_sane, LARGEST, NANOSECONDS, wheel_rates_from_twist)
 
-__all__ = ['Drive', 'DriveSettings', 'WheelCommand', 'STILL', 'Twist']
-
-NANOSECONDS = 1e9
+__all__ = ['Drive']
 
 
-class Twist(NamedTuple):
-    """
-    A twist of the robot.
-
-    Parameters
-    ----------
-    v : float
-        Forward speed [m/s].
-    w : float
-        Yaw rate [rad/s], counter-clockwise positive.
-
-    Examples
-    --------
-    See :class:`Drive`.
-
-    """
-
-    v: float
-    w: float
-
-
-STILL = Twist(0.0, 0.0)
-
-
-@dataclass(frozen=True)
-class DriveSettings:
-    """
-    What a drive needs to know.
-
-    Parameters
-    ----------
-    geometry : WheelGeometry
-        Size and spacing of the wheels.
-    linear, angular : AxisLimits
-        Limits of v and of w.
-    max_wheel_rate : float
-        Bound of both wheel rates [rad/s]; NaN = none.
-    cmd_vel_timeout : float
-        Age [s] at which a command ends and the drive brakes; 0 = never.
-    publish_rate : float
-        Rate [Hz] of the grid on which ramps step.
-
-    Raises
-    ------
-    ValueError
-        If a value is out of its range.
-
-    Examples
-    --------
-    >>> settings = DriveSettings(
-    ...     WheelGeometry(0.5, 0.125), AxisLimits(max_acceleration=1.0), publish_rate=100.0)
-    >>> settings.ramps, settings.period_ns, settings.wheel_bound
-    (True, 10000000, None)
-
-    """
-
-    geometry: WheelGeometry
-    linear: AxisLimits = AxisLimits()
-    angular: AxisLimits = AxisLimits()
-    max_wheel_rate: float = math.nan
-    cmd_vel_timeout: float = 0.5
-    publish_rate: float = 50.0
-
-    def __post_init__(self) -> None:
-        check_duration('cmd_vel_timeout', self.cmd_vel_timeout)
-        check_rate('publish_rate', self.publish_rate)
-        if self.max_wheel_rate <= 0.0:
-            raise ValueError(
-                f'max_wheel_rate is {self.max_wheel_rate!r}, expected above 0, or NaN')
-
-    @cached_property
-    def ramps(self) -> bool:
-        """Whether a change of the twist takes more than one step."""
-        return self.linear.ramps or self.angular.ramps
-
-    @cached_property
-    def wheel_bound(self) -> Optional[WheelBound]:
-        """Return the twists that the wheels can do; None where ``max_wheel_rate`` is no bound."""
-        bounded = math.isfinite(self.max_wheel_rate)
-        return wheel_bound(self.geometry, self.max_wheel_rate) if bounded else None
-
-    @cached_property
-    def period_ns(self) -> int:
-        """Length of a step of the ramp [ns]."""
-        return max(1, round(NANOSECONDS / self.publish_rate))
-
-
-class WheelCommand(NamedTuple):
-    """
-    What to tell at a time.
-
-    Parameters
-    ----------
-    stamp_ns : int
-        The time [ns].
-    rates : pair of float
-        Wheel rates (left, right) [rad/s] from then on.
-    angles : pair of float
-        Angles (left, right) [rad] commanded up to then.
-    twist : Twist
-        What the rates amount to.
-
-    Examples
-    --------
-    >>> WheelCommand(0, rates=(4.0, 4.0), angles=(0.0, 0.0), twist=Twist(0.5, 0.0)).twist.v
-    0.5
-
-    """
-
-    stamp_ns: int
-    rates: Tuple[float, float]
-    angles: Tuple[float, float]
-    twist: Twist
-
-
-class Drive(NamedTuple):
+class Drive(DriveState):
     """
     The commanded motion, from ``since_ns`` on.
 
@@ -184,6 +63,7 @@ class Drive(NamedTuple):
     --------
     A command holds for half a second, as no other comes:
 
+    >>> from diffdrive_kinematics.core.kinematics import WheelGeometry
     >>> settings = DriveSettings(WheelGeometry(0.5, 0.125), cmd_vel_timeout=0.5)
     >>> drive, changes = Drive(settings, since_ns=0).commanded(Twist(0.5, 1.0), 1_000_000_000)
     >>> changes[0].stamp_ns, changes[0].rates
@@ -193,22 +73,12 @@ class Drive(NamedTuple):
     >>> drive, changes = drive.advanced(2_000_000_000)
     >>> changes[0].stamp_ns, changes[0].rates, changes[0].angles
     (1500000000, (0.0, 0.0), (1.0, 3.0))
+    >>> drive.resumed(9_000_000_000).deadline_ns is None
+    True
 
     """
 
-    settings: DriveSettings
-    since_ns: int
-    target: Twist = STILL
-    twist: Twist = STILL
-    before: Twist = STILL
-    rates: Tuple[float, float] = (0.0, 0.0)
-    left: RunningSum = RunningSum(0.0)
-    right: RunningSum = RunningSum(0.0)
-    deadline_ns: Optional[int] = None
-    step_ns: Optional[int] = None
-    saturated: int = 0
-    limited: int = 0
-    timeouts: int = 0
+    __slots__ = ()
 
     def commanded(self, target: Twist, stamp_ns: int) -> Tuple['Drive', List[WheelCommand]]:
         """
@@ -291,29 +161,6 @@ class Drive(NamedTuple):
             drive, change = drive._stepped(max(event, drive.since_ns + 1))
             changes += change
 
-    def command_at(self, now_ns: int) -> WheelCommand:
-        """
-        Return what holds at a time (at the last change where that is later).
-
-        Parameters
-        ----------
-        now_ns : int
-            The time [ns].
-
-        Returns
-        -------
-        WheelCommand
-            Wheel rates, angles and twist.
-
-        Examples
-        --------
-        See :class:`Drive`.
-
-        """
-        stamp = max(now_ns, self.since_ns)
-        left, right = self._angles(stamp)
-        return WheelCommand(stamp, self.rates, (left.value, right.value), self.twist)
-
     def configured(
             self, settings: DriveSettings, now_ns: int) -> Tuple['Drive', List[WheelCommand]]:
         """
@@ -339,6 +186,7 @@ class Drive(NamedTuple):
         --------
         Wheels of twice the size turn half as fast:
 
+        >>> from diffdrive_kinematics.core.kinematics import WheelGeometry
         >>> small = DriveSettings(WheelGeometry(0.5, wheel_radius=0.125))
         >>> large = DriveSettings(WheelGeometry(0.5, wheel_radius=0.25))
         >>> drive, _ = Drive(small, since_ns=0).commanded(Twist(0.5, 0.0), 1_000_000_000)
@@ -361,118 +209,28 @@ class Drive(NamedTuple):
             changes += change
         return drive, changes
 
-    def ended_by(self, time_ns: int) -> 'Drive':
+    def resumed(self, now_ns: int) -> 'Drive':
         """
-        Return the drive whose command ends at a time, where it would go on for longer.
-
-        Parameters
-        ----------
-        time_ns : int
-            The time [ns].
-
-        Returns
-        -------
-        Drive
-            The drive; :meth:`advanced` brakes it.  One without a deadline has none.
-
-        Examples
-        --------
-        >>> drive = Drive(DriveSettings(WheelGeometry(0.5, 0.125)), since_ns=0)
-        >>> drive, _ = drive.commanded(Twist(0.5, 0.0), 1_000_000_000)
-        >>> drive.deadline_ns, drive.ended_by(1_250_000_000).deadline_ns
-        (1500000000, 1250000000)
-
-        """
-        if self.deadline_ns is None or self.deadline_ns <= time_ns:
-            return self
-        return self._replace(deadline_ns=time_ns)
-
-    def halted(self, now_ns: int) -> 'Drive':
-        """
-        Return the drive with its wheels at rest from ``now_ns`` on, whatever the limits.
+        Return the drive whose command has ended before ``now_ns``, as if no time had passed since.
 
         Parameters
         ----------
         now_ns : int
-            Time from which they rest [ns].
+            The time [ns]; the command goes on from it, without an end.
 
         Returns
         -------
         Drive
-            The drive without a target; its angles and counts go on.
+            The drive.
 
         Examples
         --------
-        >>> drive = Drive(DriveSettings(WheelGeometry(0.5, 0.125)), since_ns=0)
-        >>> drive, _ = drive.commanded(Twist(0.5, 0.0), 1_000_000_000)
-        >>> command = drive.halted(1_250_000_000).command_at(1_500_000_000)
-        >>> command.rates, command.angles
-        ((0.0, 0.0), (1.0, 1.0))
+        See :class:`Drive`.
 
         """
-        stamp = max(now_ns, self.since_ns + 1)
-        left, right = self._angles(stamp)
-        return Drive(
-            self.settings, stamp, left=left, right=right, saturated=self.saturated,
-            limited=self.limited, timeouts=self.timeouts)
-
-    def clock_stepped(self, step_ns: int) -> 'Drive':
-        """
-        Return the drive as it reads after the clock itself was stepped.
-
-        Parameters
-        ----------
-        step_ns : int
-            By how much the clock was stepped [ns].
-
-        Returns
-        -------
-        Drive
-            The drive with its times moved.
-
-        Examples
-        --------
-        >>> Drive(DriveSettings(WheelGeometry(0.5, 0.125)), since_ns=5).clock_stepped(-2).since_ns
-        3
-
-        """
-        return self._replace(
-            since_ns=self.since_ns + step_ns,
-            deadline_ns=None if self.deadline_ns is None else self.deadline_ns + step_ns,
-            step_ns=None if self.step_ns is None else self.step_ns + step_ns)
-
-    def _stepped(self, time_ns: int) -> Tuple['Drive', List[WheelCommand]]:
-        """Take one step towards the target at ``time_ns``; without ramps it gets there."""
-        settings = self.settings
-        allowed = Twist(settings.linear.limit_velocity(self.target.v),
-                        settings.angular.limit_velocity(self.target.w))
-        goal, rates, factor = self._saturated(allowed)
-        if factor < 1.0:
-            goal, rates, _ = self._saturated(goal)  # the rates of the twist as it was rounded
-        twist, settled, held_back = goal, not settings.ramps, False
-        if settings.ramps:
-            v, w, held_back = ramp_step(
-                goal, current=self.twist, before=self.before, dt=1.0 / settings.publish_rate,
-                linear=settings.linear, angular=settings.angular, bound=settings.wheel_bound)
-            twist = Twist(v, w)
-            rates = self._saturated(twist)[1]  # within the bound to the last digit
-            settled = twist == self.twist == self.before
-        drive = self._replace(
-            twist=twist, before=self.twist if settings.ramps else twist,
-            step_ns=None if settled else time_ns + settings.period_ns,
-            saturated=self.saturated + (factor < 1.0 or held_back),
-            limited=self.limited + (allowed != self.target or twist != goal))
-        if rates == self.rates and twist == self.twist:
-            return drive, []
-        return drive._turning(rates, time_ns)
-
-    def _turning(
-            self, rates: Tuple[float, float],
-            time_ns: int) -> Tuple['Drive', List[WheelCommand]]:
-        """Return the drive with other wheel rates from ``time_ns`` on, and the change."""
-        left, right = self._angles(time_ns)
-        drive = self._replace(since_ns=time_ns, rates=rates, left=left, right=right)
-        return drive, [drive.command_at(time_ns)]
+        if self.deadline_ns is None:
+            return self
+        return self.clock_stepped(now_ns - self.deadline_ns)._replace(deadline_ns=None)
 
     def _with_new_timeout(self, now_ns: int) -> 'Drive':
         """Let the live command end a new timeout from now on, or earlier where it did before."""
@@ -483,37 +241,6 @@ class Drive(NamedTuple):
         if self.deadline_ns is None and self.target != STILL:
             return self._replace(deadline_ns=end_ns)
         return self.ended_by(end_ns)
-
-    def _on_grid_from(self, now_ns: int, old_period_ns: int) -> 'Drive':
-        """Go on ramping, a step of another length after the last one, at the acceleration."""
-        assert self.step_ns is not None
-        period_ns = self.settings.period_ns
-        ratio = period_ns / old_period_ns
-        before = Twist(self.twist.v - ratio * (self.twist.v - self.before.v),
-                       self.twist.w - ratio * (self.twist.w - self.before.w))
-        return self._replace(
-            before=before, step_ns=max(now_ns, self.step_ns - old_period_ns + period_ns))
-
-    def _on_new_wheels(self, time_ns: int) -> Tuple['Drive', List[WheelCommand]]:
-        """Hold new wheels at once: a twist beyond their bound is cut, and ramps on from there."""
-        twist, rates, factor = self._saturated(self.twist)
-        drive = self
-        if factor < 1.0:
-            step = time_ns + self.settings.period_ns if self.step_ns is None else self.step_ns
-            drive = self._replace(
-                twist=twist, before=twist, step_ns=step, saturated=self.saturated + 1)
-        return drive._turning(rates, time_ns) if rates != self.rates else (drive, [])
-
-    def _saturated(self, twist: Twist) -> Tuple[Twist, Tuple[float, float], float]:
-        left, right, factor = saturate(
-            *wheel_rates_from_twist(self.settings.geometry, *twist),
-            self.settings.max_wheel_rate)
-        return Twist(twist.v * factor, twist.w * factor), (left, right), factor
-
-    def _angles(self, time_ns: int) -> Tuple[RunningSum, RunningSum]:
-        seconds = (time_ns - self.since_ns) / NANOSECONDS
-        return (self.left.plus(self.rates[0] * seconds),
-                self.right.plus(self.rates[1] * seconds))
 
 
 def _earlier(one: Optional[int], other: Optional[int]) -> Optional[int]:

@@ -17,11 +17,9 @@
 from dataclasses import dataclass
 from typing import List, NamedTuple, Sequence, Tuple
 
-from diffdrive_kinematics.core.kinematics import check_finite, check_times, Command
+from diffdrive_kinematics.core.kinematics import check_finite, check_times, Command, NANOSECONDS
 
 __all__ = ['Course', 'TimedTwist', 'course_from_commands', 'course_from_recording']
-
-NANOSECONDS = 1e9
 
 
 class TimedTwist(NamedTuple):

@@ -17,7 +17,8 @@
 from dataclasses import dataclass
 import math
 
-from diffdrive_kinematics.core.commands.steering import Steered, SteeringLimits, STILL
+from diffdrive_kinematics.core.commands.steering import SteeringCommand, SteeringLimits
+from diffdrive_kinematics.core.commands.wheel_command import STILL
 from diffdrive_kinematics.core.kinematics import check_positive, Pose, sinc, wrap_angle
 
 __all__ = ['PoseController']
@@ -56,9 +57,9 @@ class PoseController:
     Examples
     --------
     >>> law = PoseController()
-    >>> law.steered(Pose(0.0, 0.0, 0.0), Pose(1.0, 0.0, 0.0)).twist
+    >>> law.steer(Pose(0.0, 0.0, 0.0), Pose(1.0, 0.0, 0.0)).twist
     Twist(v=0.2, w=0.0)
-    >>> law.steered(Pose(1.0, 0.0, 0.3), Pose(1.0, 0.0, 0.0)).twist.v
+    >>> law.steer(Pose(1.0, 0.0, 0.3), Pose(1.0, 0.0, 0.0)).twist.v
     0.0
 
     """
@@ -72,7 +73,7 @@ class PoseController:
         for name in ('distance_gain', 'heading_gain', 'yaw_weight'):
             check_positive(name, getattr(self, name))
 
-    def steered(self, pose: Pose, goal: Pose) -> Steered:
+    def steer(self, pose: Pose, goal: Pose) -> SteeringCommand:
         """
         Return what to do at a pose.
 
@@ -85,7 +86,7 @@ class PoseController:
 
         Returns
         -------
-        Steered
+        SteeringCommand
             What to do.
 
         Examples
@@ -99,11 +100,11 @@ class PoseController:
         if distance <= self.limits.distance_tolerance:
             arrived = abs(turn) <= self.limits.yaw_tolerance
             twist = STILL if arrived else self.limits.scaled(0.0, self.heading_gain * turn)
-            return Steered(twist, distance, turn, arrived)
+            return SteeringCommand(twist, distance, turn, arrived)
         bearing = math.atan2(dy, dx)
         alpha, beta = wrap_angle(bearing - theta), wrap_angle(bearing - goal_theta)
         forward = self.distance_gain * math.cos(alpha)
-        return Steered(self.limits.scaled(
+        return SteeringCommand(self.limits.scaled(
             forward * distance,
             self.heading_gain * alpha
             + forward * float(sinc(alpha)) * (alpha + self.yaw_weight * beta)),

@@ -15,140 +15,24 @@
 """Following a list of points: pure pursuit (Coulter 1992, CMU-RI-TR-92-01)."""
 
 from dataclasses import dataclass
-from functools import cached_property
 import math
-from typing import NamedTuple, Sequence, Tuple
+from typing import NamedTuple
 
-from diffdrive_kinematics.core.commands.steering import Steered, SteeringLimits, STILL
-from diffdrive_kinematics.core.kinematics import (
-    check_length, check_positive, is_sane, Pose, wrap_angle)
-import numpy as np
-from numpy.typing import NDArray
+from diffdrive_kinematics.core.commands.steering import SteeringCommand, SteeringLimits
+from diffdrive_kinematics.core.commands.waypoints import Waypoints
+from diffdrive_kinematics.core.commands.wheel_command import STILL
+from diffdrive_kinematics.core.kinematics import check_length, check_positive, Pose, wrap_angle
 
-__all__ = ['Points', 'PurePursuit', 'Pursued', 'points_of']
-
-Array = NDArray[np.float64]
+__all__ = ['PurePursuit', 'PursuitCommand']
 
 
-@dataclass(frozen=True)
-class Points:
-    """
-    A path along straight lines from point to point (x, y) [m].
-
-    Parameters
-    ----------
-    points : tuple of (float, float)
-        Points (x, y) [m], one or more.
-
-    Raises
-    ------
-    ValueError
-        If there are no points, or a number is not finite or absurdly large.
-
-    Examples
-    --------
-    >>> path = Points(((0.0, 0.0), (1.0, 0.0), (1.0, 1.0)))
-    >>> path.length, path.at(1.5), path.nearest(0.5, 0.2, 0.0, 2.0)
-    (2.0, (1.0, 0.5), 0.5)
-
-    """
-
-    points: Tuple[Tuple[float, float], ...]
-
-    def __post_init__(self) -> None:
-        if not self.points:
-            raise ValueError('the path has no points, expected one or more')
-        for point in self.points:
-            if not is_sane(*point):
-                raise ValueError(f'a point of the path is {point!r}, expected finite numbers')
-
-    @cached_property
-    def corners(self) -> Array:
-        """Return the points, shape (k, 2)."""
-        return np.array(self.points)
-
-    @cached_property
-    def along(self) -> Array:
-        """Return the way [m] from the first point to each, shape (k,)."""
-        steps = np.hypot(*np.diff(self.corners, axis=0).T)
-        return np.concatenate([[0.0], np.cumsum(steps)])
-
-    @property
-    def length(self) -> float:
-        """Return the way [m] from the first to the last point."""
-        return float(self.along[-1])
-
-    def at(self, along: float) -> Tuple[float, float]:
-        """
-        Return the point after a way [m]; the last one where that is longer.
-
-        Parameters
-        ----------
-        along : float
-            Way [m] from the first point.
-
-        Returns
-        -------
-        x : float
-            Of the point [m].
-        y : float
-            Of the point [m].
-
-        Examples
-        --------
-        See :class:`Points`.
-
-        """
-        x, y = (float(np.interp(along, self.along, column)) for column in self.corners.T)
-        return x, y
-
-    def nearest(self, x: float, y: float, least: float, most: float) -> float:
-        """
-        Return the way [m], from ``least`` to ``most``, to what is nearest to (x, y).
-
-        Parameters
-        ----------
-        x : float
-            Of the place [m].
-        y : float
-            Of the place [m].
-        least : float
-            Where to begin to look [m].
-        most : float
-            Where to end [m].
-
-        Returns
-        -------
-        float
-            Way [m] from the first point.
-
-        Examples
-        --------
-        See :class:`Points`.
-
-        """
-        if len(self.points) == 1:
-            return 0.0
-        begin, step = self.corners[:-1], np.diff(self.corners, axis=0)
-        size = np.diff(self.along)
-        unit = step / np.where(size == 0.0, 1.0, size)[:, None]
-        place = np.sum((np.array([x, y]) - begin) * unit, axis=1)
-        low, high = np.clip(least - self.along[:-1], 0.0, size), np.clip(
-            most - self.along[:-1], 0.0, size)
-        place = np.clip(place, low, high)
-        off = np.hypot(*(begin + place[:, None] * unit - np.array([x, y])).T)
-        off[(self.along[1:] < least) | (self.along[:-1] > most)] = np.inf
-        best = int(np.argmin(off))
-        return float(self.along[best] + place[best])
-
-
-class Pursued(NamedTuple):
+class PursuitCommand(NamedTuple):
     """
     What to do, and how far along the path the robot is.
 
     Parameters
     ----------
-    steered : Steered
+    steered : SteeringCommand
         What to do.
     along : float
         Way [m] from the first point of the path.
@@ -159,7 +43,7 @@ class Pursued(NamedTuple):
 
     """
 
-    steered: Steered
+    steered: SteeringCommand
     along: float
 
 
@@ -188,9 +72,9 @@ class PurePursuit:
 
     Examples
     --------
-    >>> path = Points(((0.0, 0.0), (1.0, 0.0), (1.0, 1.0)))
+    >>> path = Waypoints(((0.0, 0.0), (1.0, 0.0), (1.0, 1.0)))
     >>> law = PurePursuit(lookahead=0.5)
-    >>> pursued: Pursued = law.pursued(Pose(0.8, 0.1, 0.0), path, 0.0)
+    >>> pursued: PursuitCommand = law.follow(Pose(0.8, 0.1, 0.0), path, 0.0)
     >>> round(pursued.along, 9), round(pursued.steered.distance, 9), pursued.steered.twist.w > 0.0
     (0.8, 1.2, True)
 
@@ -206,7 +90,7 @@ class PurePursuit:
         check_positive('heading_gain', self.heading_gain)
         check_positive('distance_gain', self.distance_gain)
 
-    def pursued(self, pose: Pose, path: Points, along: float) -> Pursued:
+    def follow(self, pose: Pose, path: Waypoints, along: float) -> PursuitCommand:
         """
         Return what to do at a pose, ``along`` being how far along [m] the robot has come.
 
@@ -214,14 +98,14 @@ class PurePursuit:
         ----------
         pose : Pose
             Where the robot is.
-        path : Points
+        path : Waypoints
             Path to follow.
         along : float
             How far along [m] the robot has come; 0 at first.
 
         Returns
         -------
-        Pursued
+        PursuitCommand
             What to do, and how far along it is now.
 
         Examples
@@ -235,7 +119,7 @@ class PurePursuit:
         left = path.length - along
         distance = max(left, math.hypot(end_x - x, end_y - y))
         if distance <= self.limits.distance_tolerance:
-            return Pursued(Steered(STILL, distance, 0.0, True), along)
+            return PursuitCommand(SteeringCommand(STILL, distance, 0.0, True), along)
         to_x, to_y = path.at(along + self.lookahead)
         bearing = wrap_angle(math.atan2(to_y - y, to_x - x) - float(pose.theta))
         if abs(bearing) >= 0.5 * math.pi:
@@ -244,32 +128,4 @@ class PurePursuit:
             speed = min(self.distance_gain * distance, self.limits.max_speed)
             curvature = 2.0 * math.sin(bearing) / math.hypot(to_x - x, to_y - y)
             twist = self.limits.scaled(speed, speed * curvature)
-        return Pursued(Steered(twist, distance, bearing, False), along)
-
-
-def points_of(poses: Sequence[Pose]) -> Points:
-    """
-    Return the path through the positions of poses.
-
-    Parameters
-    ----------
-    poses : sequence of Pose
-        Poses, one or more.
-
-    Returns
-    -------
-    Points
-        Path through them.
-
-    Raises
-    ------
-    ValueError
-        As :class:`Points`.
-
-    Examples
-    --------
-    >>> points_of([Pose(0.0, 0.0, 0.0), Pose(1.0, 2.0, 3.0)]).points
-    ((0.0, 0.0), (1.0, 2.0))
-
-    """
-    return Points(tuple((float(pose.x), float(pose.y)) for pose in poses))
+        return PursuitCommand(SteeringCommand(twist, distance, bearing, False), along)

@@ -30,20 +30,15 @@ law                  what it does
 """
 
 from dataclasses import dataclass
-import math
 from typing import NamedTuple, Protocol
 
-from diffdrive_kinematics.core.commands.drive import Twist
-from diffdrive_kinematics.core.kinematics import (
-    check_length, check_positive, LARGEST, Pose, wrap_angle)
+from diffdrive_kinematics.core.commands.wheel_command import Twist
+from diffdrive_kinematics.core.kinematics import check_positive, LARGEST, Pose
 
-__all__ = [
-    'Approach', 'HeadingRegulator', 'Law', 'PointForward', 'Steered', 'SteeringLimits']
-
-STILL = Twist(0.0, 0.0)
+__all__ = ['Progress', 'Law', 'SteeringCommand', 'SteeringLimits']
 
 
-class Steered(NamedTuple):
+class SteeringCommand(NamedTuple):
     """
     What to do, and what is left to do.
 
@@ -60,7 +55,7 @@ class Steered(NamedTuple):
 
     Examples
     --------
-    >>> Steered(STILL, 0.01, 0.0, True).arrived
+    >>> SteeringCommand(Twist(0.0, 0.0), 0.01, 0.0, True).arrived
     True
 
     """
@@ -145,13 +140,14 @@ class Law(Protocol):
 
     Examples
     --------
+    >>> from diffdrive_kinematics.core.commands import HeadingRegulator
     >>> law: Law = HeadingRegulator()
-    >>> law.steered(Pose(0.0, 0.0, 0.0), Pose(0.1, 0.0, 0.0)).twist
+    >>> law.steer(Pose(0.0, 0.0, 0.0), Pose(0.1, 0.0, 0.0)).twist
     Twist(v=0.1, w=0.0)
 
     """
 
-    def steered(self, pose: Pose, goal: Pose) -> Steered:
+    def steer(self, pose: Pose, goal: Pose) -> SteeringCommand:
         """
         Return what to do at a pose.
 
@@ -164,7 +160,7 @@ class Law(Protocol):
 
         Returns
         -------
-        Steered
+        SteeringCommand
             What to do.
 
         Examples
@@ -175,153 +171,7 @@ class Law(Protocol):
         ...
 
 
-@dataclass(frozen=True)
-class HeadingRegulator:
-    """
-    The P-regulator of the heading: ``w = k wrap(theta_d - theta)``, theta_d towards the goal.
-
-    The speed is ``k_v rho max(0, cos(error))``, so that the robot turns on the spot, the short
-    way, until the goal is ahead.  The distance never grows, and with ``k > k_v`` the error
-    vanishes: ``rho' = -k_v rho cos^2``, ``error' = -k error + k_v sin cos``.
-
-    Parameters
-    ----------
-    heading_gain : float
-        Gain k [1/s].
-    distance_gain : float
-        Gain k_v [1/s].
-    limits : SteeringLimits
-        Bounds and tolerances; the yaw of the goal does not count.
-
-    Raises
-    ------
-    ValueError
-        If a gain is not above 0, or k not above k_v.
-
-    Examples
-    --------
-    >>> law = HeadingRegulator()
-    >>> twist, distance, turn, arrived = law.steered(Pose(0.0, 0.0, 0.0), Pose(0.0, 1.0, 0.0))
-    >>> round(twist.v, 9), twist.w, distance, arrived
-    (0.0, 1.0, 1.0, False)
-
-    """
-
-    heading_gain: float = 2.0
-    distance_gain: float = 1.0
-    limits: SteeringLimits = SteeringLimits()
-
-    def __post_init__(self) -> None:
-        check_positive('distance_gain', self.distance_gain)
-        if not check_positive('heading_gain', self.heading_gain) > self.distance_gain:
-            raise ValueError(
-                f'heading_gain is {self.heading_gain!r}, expected above distance_gain, '
-                f'{self.distance_gain!r}')
-
-    def steered(self, pose: Pose, goal: Pose) -> Steered:
-        """
-        Return what to do at a pose.
-
-        Parameters
-        ----------
-        pose : Pose
-            Where the robot is.
-        goal : Pose
-            Where it shall be.
-
-        Returns
-        -------
-        Steered
-            What to do.
-
-        Examples
-        --------
-        See :class:`HeadingRegulator`.
-
-        """
-        (x, y, theta), (goal_x, goal_y, _) = map(float, pose), map(float, goal)
-        dx, dy = goal_x - x, goal_y - y
-        distance = math.hypot(dx, dy)
-        if distance <= self.limits.distance_tolerance:
-            return Steered(STILL, distance, 0.0, True)
-        error = wrap_angle(math.atan2(dy, dx) - theta)
-        speed = min(self.distance_gain * distance, self.limits.max_speed)
-        return Steered(self.limits.scaled(
-            speed * max(0.0, math.cos(error)), self.heading_gain * error), distance, error, False)
-
-
-@dataclass(frozen=True)
-class PointForward:
-    """
-    Feedback linearisation of a point ahead of the axle, which goes straight to the goal.
-
-    Its velocity is ``[[cos, -b sin], [sin, b cos]] (v, w)``, which can be inverted for b > 0, so
-    that any velocity of the point can be had (Siciliano et al., Robotics, sec. 11.6.1).  It is
-    the point that comes to the goal, and the robot backs up where the goal is behind.
-
-    Parameters
-    ----------
-    offset : float
-        Distance b [m] of the point ahead of the axle.
-    distance_gain : float
-        Of the velocity, over the distance [1/s].
-    limits : SteeringLimits
-        Bounds and tolerances; the yaw of the goal does not count.
-
-    Raises
-    ------
-    ValueError
-        If the offset is no length, or the gain not above 0.
-
-    Examples
-    --------
-    >>> PointForward(offset=0.1).steered(Pose(0.0, 0.0, 0.0), Pose(-1.0, 0.0, 0.0)).twist
-    Twist(v=-0.2, w=0.0)
-
-    """
-
-    offset: float = 0.1
-    distance_gain: float = 1.0
-    limits: SteeringLimits = SteeringLimits()
-
-    def __post_init__(self) -> None:
-        check_length('offset', self.offset)
-        check_positive('distance_gain', self.distance_gain)
-
-    def steered(self, pose: Pose, goal: Pose) -> Steered:
-        """
-        Return what to do at a pose.
-
-        Parameters
-        ----------
-        pose : Pose
-            Where the robot is.
-        goal : Pose
-            Where it shall be.
-
-        Returns
-        -------
-        Steered
-            What to do.
-
-        Examples
-        --------
-        See :class:`PointForward`.
-
-        """
-        (x, y, theta), (goal_x, goal_y, _) = map(float, pose), map(float, goal)
-        c, s = math.cos(theta), math.sin(theta)
-        dx, dy = goal_x - x - self.offset * c, goal_y - y - self.offset * s
-        distance = math.hypot(dx, dy)
-        if distance <= self.limits.distance_tolerance:
-            return Steered(STILL, distance, 0.0, True)
-        gain = min(self.distance_gain, self.limits.max_speed / distance)
-        return Steered(self.limits.scaled(
-            gain * (c * dx + s * dy), gain * (c * dy - s * dx) / self.offset), distance, 0.0,
-            False)
-
-
-class Approach(NamedTuple):
+class Progress(NamedTuple):
     """
     How near the robot has come so far, and since when [ns] it has come no nearer.
 
@@ -336,9 +186,9 @@ class Approach(NamedTuple):
 
     Examples
     --------
-    >>> steered = Steered(STILL, 0.5, 0.0, False)
-    >>> Approach(1.0, 0.0, 0).looked(steered, 7)
-    Approach(distance=0.5, turn=0.0, since_ns=7)
+    >>> steered = SteeringCommand(Twist(0.0, 0.0), 0.5, 0.0, False)
+    >>> Progress(1.0, 0.0, 0).updated(steered, 7)
+    Progress(distance=0.5, turn=0.0, since_ns=7)
 
     """
 
@@ -346,28 +196,28 @@ class Approach(NamedTuple):
     turn: float
     since_ns: int
 
-    def looked(self, steered: Steered, now_ns: int) -> 'Approach':
+    def updated(self, steered: SteeringCommand, now_ns: int) -> 'Progress':
         """
         Return the approach after a look: nearer by a millimetre or a hundredth of a radian.
 
         Parameters
         ----------
-        steered : Steered
+        steered : SteeringCommand
             What is left now.
         now_ns : int
             Time of the look [ns].
 
         Returns
         -------
-        Approach
+        Progress
             With the least of before and now.
 
         Examples
         --------
-        See :class:`Approach`.
+        See :class:`Progress`.
 
         """
         distance, turn = steered.distance, abs(steered.turn)
         if distance < self.distance - 1e-3 or turn < self.turn - 1e-2:
-            return Approach(min(distance, self.distance), min(turn, self.turn), now_ns)
+            return Progress(min(distance, self.distance), min(turn, self.turn), now_ns)
         return self

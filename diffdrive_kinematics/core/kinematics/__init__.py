@@ -21,24 +21,30 @@ their digits over a day of driving.
 """
 
 from diffdrive_kinematics.core.kinematics.angles import wrap_angle
-from diffdrive_kinematics.core.kinematics.arc import advance, Pose, Scalar, sinc
+from diffdrive_kinematics.core.kinematics.arc import advance, displacement, sinc
 from diffdrive_kinematics.core.kinematics.checks import (
-    check_above, check_duration, check_finite, check_length, check_non_negative, check_positive,
-    check_rate, is_sane, LARGEST)
+    check_above, check_finite, check_non_negative, check_positive, is_sane, LARGEST)
 from diffdrive_kinematics.core.kinematics.compensated import RunningSum
 from diffdrive_kinematics.core.kinematics.geometry import (
-    inverse_jacobian, jacobian, Number, pose_change_from_travel, travel_from_angles,
-    turning_centre, turning_radius, twist_from_wheel_rates, wheel_rates_from_twist, WheelGeometry)
+    Number, pose_change_from_travel, travel_from_angles, twist_from_wheel_rates,
+    wheel_rates_from_twist, WheelGeometry)
 from diffdrive_kinematics.core.kinematics.integration import (
-    euler, integrate_euler, integrate_runge_kutta, pose_rate, runge_kutta)
+    euler, integrate_euler, integrate_runge_kutta, runge_kutta)
+from diffdrive_kinematics.core.kinematics.jacobians import inverse_jacobian, jacobian
+from diffdrive_kinematics.core.kinematics.pose import (
+    between, compose, inverse, Pose, pose_rate, Scalar)
+from diffdrive_kinematics.core.kinematics.ranges import check_duration, check_length, check_rate
 from diffdrive_kinematics.core.kinematics.sequence import (
     check_times, Command, pose_after, poses_along, retraced)
+from diffdrive_kinematics.core.kinematics.turning import turning_centre, turning_radius
+from diffdrive_kinematics.core.kinematics.units import NANOSECONDS
 
 __all__ = [
-    'Command', 'LARGEST', 'Number', 'Pose', 'RunningSum', 'Scalar', 'WheelGeometry', 'advance',
-    'check_above', 'check_duration', 'check_finite', 'check_length', 'check_non_negative',
-    'check_positive', 'check_rate', 'check_times', 'euler', 'integrate_euler',
-    'integrate_runge_kutta', 'inverse_jacobian', 'is_sane', 'jacobian', 'pose_after',
-    'pose_change_from_travel', 'pose_rate', 'poses_along', 'retraced', 'runge_kutta', 'sinc',
-    'travel_from_angles', 'turning_centre', 'turning_radius', 'twist_from_wheel_rates',
-    'wheel_rates_from_twist', 'wrap_angle']
+    'Command', 'LARGEST', 'NANOSECONDS', 'Number', 'Pose', 'RunningSum', 'Scalar',
+    'WheelGeometry', 'advance', 'between', 'check_above', 'check_duration', 'check_finite',
+    'check_length', 'check_non_negative', 'check_positive', 'check_rate', 'check_times',
+    'compose', 'displacement', 'euler', 'integrate_euler', 'integrate_runge_kutta', 'inverse',
+    'inverse_jacobian', 'is_sane', 'jacobian', 'pose_after', 'pose_change_from_travel',
+    'pose_rate', 'poses_along', 'retraced', 'runge_kutta', 'sinc', 'travel_from_angles',
+    'turning_centre', 'turning_radius', 'twist_from_wheel_rates', 'wheel_rates_from_twist',
+    'wrap_angle']

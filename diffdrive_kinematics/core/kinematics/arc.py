@@ -12,45 +12,15 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""
-Pose of the robot, and the exact arc that it follows while its twist is constant.
-
-A pose is (x [m], y [m], theta [rad]) in a fixed frame, theta counter-clockwise from the x axis
-(REP-103).  Its fields are floats, or numpy arrays that broadcast: N poses move in one call.
-"""
+"""The exact arc that a robot follows while its twist is constant."""
 
 import math
-from typing import NamedTuple, Union
+from typing import Tuple
 
+from diffdrive_kinematics.core.kinematics.pose import Pose, Scalar
 import numpy as np
-from numpy.typing import NDArray
 
-__all__ = ['Pose', 'Scalar', 'advance', 'sinc']
-
-Scalar = Union[float, NDArray[np.float64]]
-
-
-class Pose(NamedTuple):
-    """
-    Position and heading of a robot in a fixed frame; one pose, or arrays of poses.
-
-    Parameters
-    ----------
-    x, y : float or numpy.ndarray
-        Position [m].
-    theta : float or numpy.ndarray
-        Heading [rad], counter-clockwise from the x axis.
-
-    Examples
-    --------
-    >>> Pose(1.0, 2.0, 0.5)._replace(theta=0.0)
-    Pose(x=1.0, y=2.0, theta=0.0)
-
-    """
-
-    x: Scalar
-    y: Scalar
-    theta: Scalar
+__all__ = ['advance', 'displacement', 'sinc']
 
 
 def sinc(angle: Scalar) -> Scalar:
@@ -82,13 +52,51 @@ def sinc(angle: Scalar) -> Scalar:
     return math.sin(angle) / angle if angle else 1.0
 
 
+def displacement(heading: Scalar, distance: Scalar, turn: Scalar) -> Tuple[Scalar, Scalar]:
+    """
+    Return how far an arc of constant curvature leads, in the fixed frame.
+
+    Its chord has length ``distance * sinc(turn / 2)`` and direction ``heading + turn / 2``: exact
+    for a constant twist, for the straight line (turn = 0) and for the turn in place
+    (distance = 0), without a case of its own for either.
+
+    Parameters
+    ----------
+    heading : float or numpy.ndarray
+        Heading where the arc begins [rad].
+    distance : float or numpy.ndarray
+        Length of the arc [m], negative in reverse.
+    turn : float or numpy.ndarray
+        Change of the heading [rad].  Arrays broadcast with ``heading``, which has to be an array
+        then.
+
+    Returns
+    -------
+    dx : float or numpy.ndarray
+        Change of x [m].
+    dy : float or numpy.ndarray
+        Change of y [m].
+
+    Examples
+    --------
+    Half a circle of radius 1 m to the left, which ends 2 m to the left:
+
+    >>> [round(value, 6) for value in displacement(0.0, distance=math.pi, turn=math.pi)]
+    [0.0, 2.0]
+
+    """
+    half = 0.5 * turn
+    direction = heading + half
+    if isinstance(direction, np.ndarray):
+        chord = distance * sinc(half)
+        return chord * np.cos(direction), chord * np.sin(direction)
+    chord = distance * (math.sin(half) / half if half else 1.0)
+    return chord * math.cos(direction), chord * math.sin(direction)
+
+
 def advance(pose: Pose, distance: Scalar, turn: Scalar) -> Pose:
     """
-    Return the pose after an arc of constant curvature.
-
-    The chord of the arc has length ``distance * sinc(turn / 2)`` and direction
-    ``theta + turn / 2``: exact for a constant twist, for the straight line (turn = 0) and for
-    the turn in place (distance = 0), without a case of its own for either.
+    Return the pose after an arc of constant curvature; see :func:`displacement`.
 
     Parameters
     ----------
@@ -114,11 +122,5 @@ def advance(pose: Pose, distance: Scalar, turn: Scalar) -> Pose:
     [2.0, 2.0, 1.570796]
 
     """
-    half = 0.5 * turn
-    chord = distance * sinc(half)
-    direction = pose.theta + half
-    if isinstance(direction, np.ndarray):
-        return Pose(pose.x + chord * np.cos(direction), pose.y + chord * np.sin(direction),
-                    pose.theta + turn)
-    return Pose(pose.x + chord * math.cos(direction), pose.y + chord * math.sin(direction),
-                pose.theta + turn)
+    dx, dy = displacement(pose.theta, distance, turn)
+    return Pose(pose.x + dx, pose.y + dy, pose.theta + turn)

@@ -30,18 +30,16 @@ The functions are plain arithmetic: floats and numpy arrays (any shapes that bro
 
 from dataclasses import dataclass
 from functools import cached_property
-import math
 from typing import Tuple, TypeVar
 
-from diffdrive_kinematics.core.kinematics.arc import Pose
-from diffdrive_kinematics.core.kinematics.checks import check_finite, check_length, check_positive
+from diffdrive_kinematics.core.kinematics.checks import check_positive
+from diffdrive_kinematics.core.kinematics.ranges import check_length
 import numpy as np
 from numpy.typing import NDArray
 
 __all__ = [
-    'Number', 'WheelGeometry', 'inverse_jacobian', 'jacobian', 'pose_change_from_travel',
-    'travel_from_angles', 'turning_centre', 'turning_radius', 'twist_from_wheel_rates',
-    'wheel_rates_from_twist']
+    'Number', 'WheelGeometry', 'pose_change_from_travel', 'travel_from_angles',
+    'twist_from_wheel_rates', 'wheel_rates_from_twist']
 
 Number = TypeVar('Number', float, NDArray[np.float64])
 
@@ -177,56 +175,6 @@ def wheel_rates_from_twist(
     return (v - half) / geometry.left_radius, (v + half) / geometry.right_radius
 
 
-def jacobian(geometry: WheelGeometry) -> NDArray[np.float64]:
-    """
-    Return the matrix J of the forward kinematics: ``[v, w] = J @ [u_l, u_r]``.
-
-    With equal radii this is ``R [[1/2, 1/2], [-1/L, 1/L]]``.
-
-    Parameters
-    ----------
-    geometry : WheelGeometry
-        Size and spacing of the wheels.
-
-    Returns
-    -------
-    numpy.ndarray, shape (2, 2)
-        J, with a first row in m and a second one without unit.
-
-    Examples
-    --------
-    >>> jacobian(WheelGeometry(0.5, 0.125)) @ [2.0, 4.0]
-    array([0.375, 0.5  ])
-
-    """
-    left, right, separation = geometry.left_radius, geometry.right_radius, geometry.separation
-    return np.array([[0.5 * left, 0.5 * right], [-left / separation, right / separation]])
-
-
-def inverse_jacobian(geometry: WheelGeometry) -> NDArray[np.float64]:
-    """
-    Return the matrix of the inverse kinematics: ``[u_l, u_r] = J^-1 @ [v, w]``.
-
-    Parameters
-    ----------
-    geometry : WheelGeometry
-        Size and spacing of the wheels.
-
-    Returns
-    -------
-    numpy.ndarray, shape (2, 2)
-        The inverse of :func:`jacobian`, with a first column in 1/m and a second one without unit.
-
-    Examples
-    --------
-    >>> inverse_jacobian(WheelGeometry(0.5, 0.125)) @ [0.375, 0.5]
-    array([2., 4.])
-
-    """
-    left, right, half = geometry.left_radius, geometry.right_radius, 0.5 * geometry.separation
-    return np.array([[1.0 / left, -half / left], [1.0 / right, half / right]])
-
-
 def travel_from_angles(
         geometry: WheelGeometry, left: Number, right: Number) -> Tuple[Number, Number]:
     """
@@ -283,86 +231,3 @@ def pose_change_from_travel(
 
     """
     return 0.5 * (d_left + d_right), (d_right - d_left) / geometry.separation
-
-
-def turning_radius(geometry: WheelGeometry, d_left: float, d_right: float) -> float:
-    """
-    Return the signed radius of the circle that the robot's centre follows.
-
-    ``r_c = L (d_l + d_r) / (2 (d_r - d_l))`` (LaValle, Mobile Robotics, eq. 2.7).
-
-    Parameters
-    ----------
-    geometry : WheelGeometry
-        Size and spacing of the wheels.
-    d_left, d_right : float
-        Wheel travel [m] or, equally, wheel speeds [m/s].
-
-    Returns
-    -------
-    float
-        Radius r_c [m]; positive where the centre of the circle lies to the left, ``inf`` for
-        parallel travel.
-
-    Raises
-    ------
-    ValueError
-        If a travel is not finite, or both are 0: a wheel pair at rest has no turning radius.
-
-    Examples
-    --------
-    >>> geometry = WheelGeometry(0.5, 0.125)
-    >>> turning_radius(geometry, 0.25, 0.5), turning_radius(geometry, -0.1, 0.1)
-    (0.75, 0.0)
-
-    """
-    check_finite('d_left', d_left)
-    check_finite('d_right', d_right)
-    if d_left == d_right == 0.0:
-        raise ValueError('d_left and d_right are 0, expected travel of at least one wheel')
-    if d_left == d_right:
-        return math.inf
-    return geometry.separation * (0.5 * d_left + 0.5 * d_right) / (d_right - d_left)
-
-
-def turning_centre(
-        geometry: WheelGeometry, pose: Pose, d_left: float, d_right: float) -> Tuple[float, float]:
-    """
-    Return the point about which the robot turns.
-
-    It lies ``turning_radius`` to the left of the robot's centre, on the wheels' common axis
-    (LaValle, Mobile Robotics, sec. 2.1).
-
-    Parameters
-    ----------
-    geometry : WheelGeometry
-        Size and spacing of the wheels.
-    pose : Pose
-        Pose of the robot; floats.
-    d_left, d_right : float
-        Wheel travel [m] or, equally, wheel speeds [m/s].
-
-    Returns
-    -------
-    x : float
-        Of the point [m], in the frame of ``pose``; infinite for parallel travel.
-    y : float
-        Of the point [m], likewise.
-
-    Raises
-    ------
-    ValueError
-        As :func:`turning_radius`.
-
-    Examples
-    --------
-    >>> turning_centre(WheelGeometry(0.5, 0.125), Pose(1.0, 2.0, 0.0), 0.25, 0.5)
-    (1.0, 2.75)
-
-    """
-    radius = turning_radius(geometry, d_left, d_right)
-    theta = float(pose.theta)
-    sine, cosine = math.sin(theta), math.cos(theta)
-    if math.isinf(radius):
-        return -math.copysign(math.inf, sine), math.copysign(math.inf, cosine)
-    return float(pose.x) - radius * sine, float(pose.y) + radius * cosine

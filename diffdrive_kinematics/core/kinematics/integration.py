@@ -20,50 +20,16 @@ cheaper; these are for time-varying commands, for models that have no arcs, and 
 of a peer costs in accuracy.
 """
 
-import math
 from typing import Callable, Tuple
 
-from diffdrive_kinematics.core.kinematics.arc import Pose, Scalar
 from diffdrive_kinematics.core.kinematics.checks import check_finite
-import numpy as np
+from diffdrive_kinematics.core.kinematics.pose import Pose, pose_rate, Scalar
 
-__all__ = ['euler', 'integrate_euler', 'integrate_runge_kutta', 'pose_rate', 'runge_kutta']
+__all__ = ['euler', 'integrate_euler', 'integrate_runge_kutta', 'runge_kutta']
 
 State = Tuple[Scalar, ...]
 RateOfState = Callable[[State, float], State]
 TwistOfTime = Callable[[float], Tuple[float, float]]
-
-
-def pose_rate(pose: Pose, v: Scalar, w: Scalar) -> Pose:
-    """
-    Return how fast a pose changes: (v cos theta, v sin theta, w).
-
-    The configuration transition equation of the differential drive (LaValle, Mobile Robotics,
-    sec. 2.1; Planning Algorithms, eq. 13.14).
-
-    Parameters
-    ----------
-    pose : Pose
-        Pose of the robot; floats or arrays.
-    v : float or numpy.ndarray
-        Forward speed [m/s].
-    w : float or numpy.ndarray
-        Yaw rate [rad/s].
-
-    Returns
-    -------
-    Pose
-        (dx/dt [m/s], dy/dt [m/s], dtheta/dt [rad/s]).
-
-    Examples
-    --------
-    >>> pose_rate(Pose(3.0, 1.0, 0.0), v=0.5, w=0.25)
-    Pose(x=0.5, y=0.0, theta=0.25)
-
-    """
-    if isinstance(pose.theta, np.ndarray):
-        return Pose(v * np.cos(pose.theta), v * np.sin(pose.theta), w)
-    return Pose(v * math.cos(pose.theta), v * math.sin(pose.theta), w)
 
 
 def euler(

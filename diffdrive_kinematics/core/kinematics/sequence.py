@@ -18,8 +18,9 @@ from dataclasses import dataclass
 from itertools import accumulate
 from typing import Iterable, List, Sequence
 
-from diffdrive_kinematics.core.kinematics.arc import advance, Pose
+from diffdrive_kinematics.core.kinematics.arc import advance
 from diffdrive_kinematics.core.kinematics.checks import check_finite, check_non_negative
+from diffdrive_kinematics.core.kinematics.pose import Pose
 
 __all__ = ['Command', 'check_times', 'pose_after', 'poses_along', 'retraced']
 

@@ -19,8 +19,8 @@ import math
 from typing import Tuple, TypeVar, Union
 
 from diffdrive_kinematics.core.kinematics import check_positive, Scalar
-from diffdrive_kinematics.core.models.system import (
-    admitted, Bounds, clipped, ControlSystem, Quantity, Vector)
+from diffdrive_kinematics.core.models.quantities import clipped, Quantity
+from diffdrive_kinematics.core.models.system import admitted, Bounds, ControlSystem, Vector
 import numpy as np
 from numpy.typing import NDArray
 

@@ -18,9 +18,10 @@ import math
 from typing import Tuple
 
 from diffdrive_kinematics.core.kinematics import check_length, Scalar
-from diffdrive_kinematics.core.models.robots import (
-    both_ways, function_of, steering_bound, tricycle)
-from diffdrive_kinematics.core.models.system import Rolling, Vector
+from diffdrive_kinematics.core.models.quantities import both_ways, function_of, steering_bound
+from diffdrive_kinematics.core.models.robots import tricycle
+from diffdrive_kinematics.core.models.rolling import Rolling
+from diffdrive_kinematics.core.models.system import Vector
 
 __all__ = ['ackermann_car', 'car', 'front_wheel_angles', 'least_turning_radius']
 

@@ -21,16 +21,14 @@ lie in a box W(u) (2.34); with any they have a density p(w|u), of which sample p
 """
 
 from dataclasses import dataclass
-from typing import List, Sequence, Tuple
+from typing import Sequence, Tuple
 
-from diffdrive_kinematics.core.kinematics import check_non_negative, Scalar
-from diffdrive_kinematics.core.models.system import ControlSystem, Vector
-from diffdrive_kinematics.core.models.transitions import transition
+from diffdrive_kinematics.core.kinematics import check_non_negative
+from diffdrive_kinematics.core.models.system import Vector
 from diffdrive_kinematics.core.noise import check_distribution, draw_unit, unit_bound
 import numpy as np
-from numpy.typing import NDArray
 
-__all__ = ['Disturbance', 'Step', 'bounded', 'disturbed', 'sample_paths']
+__all__ = ['Disturbance', 'Step', 'bounded', 'disturbed']
 
 Step = Tuple[Vector, float]
 """A command, and the time [s] for which it is held."""
@@ -202,57 +200,3 @@ def disturbed(
     return tuple(
         u + deviation * draw_unit(disturbance.distribution, generator, n)
         for u, deviation in zip(command, disturbance.deviations(command)))
-
-
-def sample_paths(
-        system: ControlSystem, start: Vector, steps: Sequence[Step], disturbance: Disturbance, *,
-        n: int, generator: 'np.random.Generator') -> Tuple[NDArray[np.float64], ...]:
-    """
-    Return n sample paths: the forward projection over one and many steps (2.35, 2.39).
-
-    Row 1 of each array is the one-step projection of ``start``, row k that of k steps.  For the
-    differential drive with slip, :func:`diffdrive_kinematics.core.noise.sample_paths` is
-    the fast one.
-
-    Parameters
-    ----------
-    system : ControlSystem
-        What moves.
-    start : tuple
-        State of all paths (floats), or of each (arrays, shape (n,)).
-    steps : sequence of (command, duration)
-        The k commands, and for how long [s] each is held.
-    disturbance : Disturbance
-        Of the commands, drawn anew for each step.
-    n : int
-        Number of paths.
-    generator : numpy.random.Generator
-        Source of randomness.
-
-    Returns
-    -------
-    tuple of arrays, shape (k + 1, n)
-        One for each state.
-
-    Raises
-    ------
-    ValueError
-        If ``n`` is not positive, or the disturbance has not one number for each command.
-
-    Examples
-    --------
-    >>> from diffdrive_kinematics.core.models import unicycle
-    >>> x, y, theta = sample_paths(
-    ...     unicycle(), (0.0, 0.0, 0.0), [((1.0, 0.1), 0.5)] * 4, bounded([0.1, 0.0]), n=50,
-    ...     generator=np.random.default_rng(1))
-    >>> x.shape, bool(abs(theta[-1] - 0.2).max() < 1e-12)
-    ((5, 50), True)
-
-    """
-    state: Vector = tuple(np.array(np.broadcast_to(value, (n,)), np.float64) for value in start)
-    path: List[Sequence[Scalar]] = [state]
-    for command, duration in steps:
-        state = transition(
-            system, state, disturbed(command, disturbance, n=n, generator=generator), duration)
-        path.append(state)
-    return tuple(np.stack(np.broadcast_arrays(*column)) for column in zip(*path))

@@ -29,10 +29,11 @@ margin in every step: the polygon is an outer one.  Holes are filled.
 import math
 from typing import NamedTuple, Sequence, Tuple
 
-from diffdrive_kinematics.core.kinematics import sinc
 from diffdrive_kinematics.core.models.disturbance import Disturbance, Step
-from diffdrive_kinematics.core.models.system import ControlSystem, Rolling, Vector
-from diffdrive_kinematics.core.noise import area, outer_boundary, perimeter, simplified
+from diffdrive_kinematics.core.models.mesh import swept, widened
+from diffdrive_kinematics.core.models.rolling import Rolling
+from diffdrive_kinematics.core.models.system import ControlSystem, Vector
+from diffdrive_kinematics.core.noise import area, perimeter, simplified
 import numpy as np
 from numpy.typing import NDArray
 
@@ -40,7 +41,6 @@ __all__ = ['reachable_boundary']
 
 Array = NDArray[np.float64]
 Points = NDArray[np.complex128]
-Indices = NDArray[np.int64]
 
 LINES = 33
 """Lines either way through the box of a step's commands."""
@@ -53,12 +53,6 @@ SHARE = 0.004
 
 LEAST, THINNEST = 1e-8, 5e-4
 """Least margin [m] of a set, and over its length: a curve has to have an inside."""
-
-FLAT = 1e-8
-"""Over the length of a mesh: a triangle that is not higher lies on neither side of its edge."""
-
-CORNERS = np.exp(0.25j * np.pi * np.arange(8)) / math.cos(0.125 * np.pi)
-"""Of an octagon around the unit circle."""
 
 
 class _Motions(NamedTuple):
@@ -125,7 +119,7 @@ def reachable_boundary(
         motions = _motions(system, start, command, duration, disturbance)
         polygon, margin = _before(polygon, margin, motions, SHARE / (len(steps) + 1))
     x, y, theta = map(float, start)
-    placed = complex(x, y) + np.exp(1j * theta) * _widened(polygon, margin + LEAST)
+    placed = complex(x, y) + np.exp(1j * theta) * widened(polygon, margin + LEAST)
     return placed.real.copy(), placed.imag.copy()
 
 
@@ -163,7 +157,7 @@ def _before(
     slices = FEWEST_SLICES
     while True:
         turns, low, high, sagitta = _slices(motions, reach, slices)
-        outline = _swept(_widened(polygon, margin + missed + sagitta + LEAST), turns, low, high)
+        outline = swept(widened(polygon, margin + missed + sagitta + LEAST), turns, low, high)
         tolerance = max(share * area(outline) / perimeter(outline), LEAST,
                         THINNEST * float(np.max(np.abs(outline - outline[0]))))
         if sagitta <= tolerance or slices >= MOST_SLICES or len(turns) == 1:
@@ -207,58 +201,3 @@ def _spans(motions: _Motions, turns: Array) -> Tuple[Array, Array]:
     flat = np.where(t1 == t0, d1, at)
     return (np.minimum(np.where(meets, at, np.inf), np.where(meets, flat, np.inf)).min(axis=1),
             np.maximum(np.where(meets, at, -np.inf), np.where(meets, flat, -np.inf)).max(axis=1))
-
-
-def _swept(polygon: Points, turns: Array, low: Array, high: Array) -> Points:
-    """Return the outer boundary of the polygon moved by all (distance, turn) of the slices."""
-    chord: Points = sinc(0.5 * turns) * np.exp(0.5j * turns)
-    moved = np.exp(1j * turns)[:, None] * polygon
-    ends = [low] if np.array_equal(low, high) else [low, high]
-    mesh = np.stack([moved + (end * chord)[:, None] for end in ends])
-    number = np.arange(mesh.size).reshape(mesh.shape)  # which end, which turn, which vertex
-    after = np.roll(number, -1, axis=2)
-    faces = [_halves(number[0], after[0], number[-1], after[-1])]
-    if len(turns) > 1:
-        faces += [_whole(number[:, :-1], after[:, :-1], number[:, 1:], after[:, 1:]),
-                  _whole(number[0, :-1], number[-1, :-1], number[0, 1:], number[-1, 1:])]
-    return _outline(mesh.reshape(-1), np.concatenate(faces))
-
-
-def _widened(polygon: Points, margin: float) -> Points:
-    """Return the polygon with all that is as near to it as the margin."""
-    mesh = polygon[:, None] + margin * CORNERS
-    if len(polygon) == 1:
-        return np.asarray(mesh[0])
-    number = np.arange(mesh.size).reshape(mesh.shape)
-    following, turned = np.roll(number, -1, axis=0), np.roll(number, -1, axis=1)
-    return _outline(mesh.reshape(-1), _halves(
-        number, turned, following, np.roll(turned, -1, axis=0)))
-
-
-def _halves(a: Indices, b: Indices, c: Indices, d: Indices) -> Indices:
-    """Return the triangles of quadrilaterals that are parallelograms: a, b and across c, d."""
-    return np.concatenate([np.stack(each, axis=-1).reshape(-1, 3) for each in (
-        (a, b, d), (a, d, c))])
-
-
-def _whole(a: Indices, b: Indices, c: Indices, d: Indices) -> Indices:
-    """Return triangles that cover all between four points: a surface may be twisted there."""
-    return np.concatenate([_halves(a, b, c, d), _halves(b, a, d, c)])
-
-
-def _outline(points: Points, triangles: Indices) -> Points:
-    """Return the outer boundary of triangles: of edges that have none on one of their sides."""
-    ends = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
-    third = np.concatenate([triangles[:, 2], triangles[:, 0], triangles[:, 1]])
-    ends = np.sort(ends, axis=1)
-    key = ends[:, 0] * len(points) + ends[:, 1]
-    edges, which = np.unique(key, return_inverse=True)
-    begin, end = np.divmod(edges, len(points))
-    along = points[end] - points[begin]
-    height = (np.conj(along[which]) * (points[third] - points[begin[which]])).imag
-    flat = FLAT * float(np.max(np.abs(points - points[0]))) * np.abs(along[which])
-    left, right = np.zeros(len(edges), bool), np.zeros(len(edges), bool)
-    left[which[height > flat]] = True
-    right[which[height < -flat]] = True
-    kept = ~(left & right)
-    return outer_boundary(points, np.stack([begin[kept], end[kept]], axis=1))

@@ -23,13 +23,13 @@ from the rear axle to the front one, ``L`` that between the wheels of an axle.
 import math
 
 from diffdrive_kinematics.core.kinematics import (
-    check_length, pose_change_from_travel, Scalar, twist_from_wheel_rates, WheelGeometry)
-from diffdrive_kinematics.core.models.system import Quantity, Rolling
-import numpy as np
+    check_length, pose_change_from_travel, twist_from_wheel_rates, WheelGeometry)
+from diffdrive_kinematics.core.models.quantities import both_ways, function_of, steering_bound
+from diffdrive_kinematics.core.models.rolling import Rolling
 
 __all__ = [
-    'bicycle', 'both_ways', 'differential_drive', 'front_drive_tricycle', 'function_of',
-    'rear_wheels_tricycle', 'steering_bound', 'tricycle', 'unicycle']
+    'bicycle', 'differential_drive', 'front_drive_tricycle', 'rear_wheels_tricycle', 'tricycle',
+    'unicycle']
 
 STEEPEST = math.radians(89.0)
 """Largest steering angle of a robot that is driven from the rear: at 90 degrees it skids."""
@@ -222,93 +222,3 @@ def rear_wheels_tricycle(*, track: float, max_speed: float = math.inf) -> Rollin
     return Rolling(
         (both_ways('v_l', 'm/s', max_speed), both_ways('v_r', 'm/s', max_speed)),
         lambda u: pose_change_from_travel(geometry, *u))  # type: ignore[type-var]
-
-
-def both_ways(name: str, unit: str, bound: float) -> Quantity:
-    """
-    Return a quantity with one bound both ways.
-
-    Parameters
-    ----------
-    name : str
-        What it is called.
-    unit : str
-        Its unit.
-    bound : float
-        Largest value, above 0.
-
-    Returns
-    -------
-    Quantity
-        From -bound to bound.
-
-    Raises
-    ------
-    ValueError
-        If the bound is not above 0.
-
-    Examples
-    --------
-    >>> both_ways('s', 'm/s', 2.0)
-    Quantity(name='s', unit='m/s', low=-2.0, high=2.0)
-
-    """
-    if not bound > 0.0:
-        raise ValueError(f'the bound of {name} is {bound!r} {unit}, expected above 0')
-    return Quantity(name, unit, -bound, bound)
-
-
-def function_of(function: str, angle: Scalar) -> Scalar:
-    """
-    Return tan, sin, cos or fabs of a float as a float, of an array as an array.
-
-    Parameters
-    ----------
-    function : str
-        Name that it has in math and in numpy.
-    angle : float or numpy.ndarray
-        What it is taken of [rad].
-
-    Returns
-    -------
-    float or numpy.ndarray
-        Its value.
-
-    Examples
-    --------
-    >>> function_of('cos', 0.0)
-    1.0
-
-    """
-    value: Scalar = getattr(np if isinstance(angle, np.ndarray) else math, function)(angle)
-    return value
-
-
-def steering_bound(bound: float) -> float:
-    """
-    Return the bound of a steering angle, or raise.
-
-    Parameters
-    ----------
-    bound : float
-        Largest angle [rad].
-
-    Returns
-    -------
-    float
-        The bound.
-
-    Raises
-    ------
-    ValueError
-        If it is not between 0 and pi / 2.
-
-    Examples
-    --------
-    >>> steering_bound(0.5)
-    0.5
-
-    """
-    if not 0.0 < bound < 0.5 * math.pi:
-        raise ValueError(f'max_steering is {bound!r} rad, expected between 0 and pi / 2')
-    return bound

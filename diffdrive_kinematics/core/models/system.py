@@ -20,47 +20,15 @@ or numpy arrays that broadcast, so that n robots move in one call.  u is held ov
 transition, and a robot does what is nearest to it in its command set U(x).
 """
 
-from dataclasses import dataclass
-import math
-from typing import Callable, NamedTuple, Protocol, Sequence, Tuple
+from typing import Protocol, Sequence, Tuple
 
-from diffdrive_kinematics.core.kinematics import Pose, pose_rate, Scalar
-import numpy as np
+from diffdrive_kinematics.core.kinematics import Scalar
+from diffdrive_kinematics.core.models.quantities import clipped, Quantity
 
-__all__ = [
-    'Bounds', 'ControlSystem', 'Quantity', 'Rolling', 'Vector', 'admitted', 'check_command',
-    'clipped']
+__all__ = ['Bounds', 'ControlSystem', 'Vector', 'admitted', 'check_command']
 
 Vector = Tuple[Scalar, ...]
 Bounds = Tuple[Tuple[Scalar, Scalar], ...]
-
-
-class Quantity(NamedTuple):
-    """
-    A component of a state or a command.
-
-    Parameters
-    ----------
-    name : str
-        What it is called.
-    unit : str
-        Its unit.
-    low : float
-        Least value.
-    high : float
-        Largest value.
-
-    Examples
-    --------
-    >>> Quantity('phi', 'rad', -0.5, 0.5).high
-    0.5
-
-    """
-
-    name: str
-    unit: str
-    low: float = -math.inf
-    high: float = math.inf
 
 
 class ControlSystem(Protocol):
@@ -161,105 +129,6 @@ class ControlSystem(Protocol):
         ...
 
 
-POSE = (Quantity('x', 'm'), Quantity('y', 'm'), Quantity('theta', 'rad'))
-
-
-@dataclass(frozen=True)
-class Rolling:
-    """
-    A robot in the plane whose twist (v, w) its command alone decides: it moves along arcs.
-
-    Parameters
-    ----------
-    commands : tuple of Quantity
-        The box U.
-    twist : callable
-        Command -> (v [m/s], w [rad/s]).
-
-    Examples
-    --------
-    >>> robot = Rolling((Quantity('v', 'm/s', -1.0, 1.0),), lambda u: (u[0], 2.0 * u[0]))
-    >>> robot.rate((0.0, 0.0, 0.0), (9.0,))
-    Pose(x=1.0, y=0.0, theta=2.0)
-    >>> robot.bounds((0.0, 0.0, 0.0)), robot.within((1.0, 2.0, 9.0))
-    (((-1.0, 1.0),), (1.0, 2.0, 9.0))
-
-    """
-
-    commands: Tuple[Quantity, ...]
-    twist: Callable[[Vector], Tuple[Scalar, Scalar]]
-
-    @property
-    def states(self) -> Tuple[Quantity, ...]:
-        """Return x, y and theta."""
-        return POSE
-
-    def rate(self, state: Vector, command: Vector) -> Vector:
-        """
-        Return (v cos theta, v sin theta, w).
-
-        Parameters
-        ----------
-        state : tuple of float or numpy.ndarray
-            State x, in the order of ``states``.
-        command : tuple of float or numpy.ndarray
-            Command u, in the order of ``commands``.
-
-        Returns
-        -------
-        tuple of float or numpy.ndarray
-            Rate of each part of the state.
-
-        Examples
-        --------
-        See :class:`Rolling`.
-
-        """
-        return pose_rate(Pose(*state), *self.twist(admitted(self, state, command)))
-
-    def bounds(self, state: Vector) -> Bounds:
-        """
-        Return the box U, the same in every state.
-
-        Parameters
-        ----------
-        state : tuple of float or numpy.ndarray
-            State x, in the order of ``states``.
-
-        Returns
-        -------
-        tuple of (low, high)
-            Bounds of each command.
-
-        Examples
-        --------
-        See :class:`Rolling`.
-
-        """
-        return tuple((each.low, each.high) for each in self.commands)
-
-    def within(self, state: Vector) -> Vector:
-        """
-        Return the state: a pose has no bounds.
-
-        Parameters
-        ----------
-        state : tuple of float or numpy.ndarray
-            State x, in the order of ``states``.
-
-        Returns
-        -------
-        tuple of float or numpy.ndarray
-            State in its bounds.
-
-        Examples
-        --------
-        See :class:`Rolling`.
-
-        """
-        return state
-
-
 def admitted(system: ControlSystem, state: Vector, command: Vector) -> Vector:
     """
     Return the command of U(x) that is nearest to another.
@@ -322,32 +191,3 @@ def check_command(system: ControlSystem, command: Sequence[float]) -> None:
     for (name, unit, low, high), value in zip(system.commands, command):
         if not low <= value <= high:
             raise ValueError(f'{name} is {value!r} {unit}, expected from {low} to {high} {unit}')
-
-
-def clipped(value: Scalar, low: Scalar, high: Scalar) -> Scalar:
-    """
-    Return what of a range is nearest to a value.
-
-    Parameters
-    ----------
-    value : float or numpy.ndarray
-        The value.
-    low : float or numpy.ndarray
-        Least value of the range.
-    high : float or numpy.ndarray
-        Largest value of the range.
-
-    Returns
-    -------
-    float or numpy.ndarray
-        A value of the range.
-
-    Examples
-    --------
-    >>> clipped(3.0, 0.0, 2.0)
-    2.0
-
-    """
-    if isinstance(value, np.ndarray) or isinstance(low, np.ndarray):
-        return np.clip(value, low, high)
-    return min(max(value, low), high)

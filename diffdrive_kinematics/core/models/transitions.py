@@ -19,7 +19,8 @@ from typing import Callable
 
 from diffdrive_kinematics.core.kinematics import (
     advance, check_finite, check_positive, euler, Pose, runge_kutta)
-from diffdrive_kinematics.core.models.system import admitted, ControlSystem, Rolling, Vector
+from diffdrive_kinematics.core.models.rolling import Rolling
+from diffdrive_kinematics.core.models.system import admitted, ControlSystem, Vector
 
 __all__ = ['transition', 'transition_euler', 'transition_runge_kutta']
 

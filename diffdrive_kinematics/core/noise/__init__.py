@@ -29,7 +29,7 @@ from diffdrive_kinematics.core.noise.distributions import (
     check_distribution, DISTRIBUTIONS, draw_unit, heading_variance, sample_heading, unit_bound)
 from diffdrive_kinematics.core.noise.matrices import pose_jacobians, rotations
 from diffdrive_kinematics.core.noise.noise import (
-    effective_ratio, sample_travel, SLIP_MODELS, travel_variance, WheelSlip)
+    check_slip_model, effective_ratio, sample_travel, SLIP_MODELS, travel_variance, WheelSlip)
 from diffdrive_kinematics.core.noise.outline import area, outer_boundary, perimeter, simplified
 from diffdrive_kinematics.core.noise.planar import (
     planar_covariance, planar_pose, yaw_from_quaternion)
@@ -42,11 +42,11 @@ from diffdrive_kinematics.core.noise.stage import Stage, stage_from_slip, with_p
 __all__ = [
     'DISTRIBUTIONS', 'E_MEAN', 'E_SQUARE', 'NO_COVARIANCE', 'PoseCovariance', 'Projected',
     'SERIES_END', 'SINE_SQUARE', 'SLIP_MODELS', 'Stage', 'StepNoise', 'TwistCovariance',
-    'WheelSlip', 'area', 'check_distribution', 'covariance_along', 'draw_unit', 'effective_ratio',
-    'fill_normals', 'heading_covariance', 'heading_variance', 'lateral_variances',
-    'moved_covariance', 'outer_boundary', 'perimeter', 'planar_covariance', 'planar_pose',
-    'polynomial', 'projected', 'propagate', 'propagated_covariance', 'reachable_set',
-    'reachable_set_from_slip', 'rotations', 'sample_heading', 'sample_paths', 'sample_travel',
-    'simplified', 'slip_covariance', 'stage_from_slip', 'step_noise', 'pose_jacobians',
-    'travel_of_command', 'travel_variance', 'twist_covariance', 'unit_bound', 'with_pivots_joined',
-    'yaw_from_quaternion']
+    'WheelSlip', 'area', 'check_distribution', 'check_slip_model', 'covariance_along', 'draw_unit',
+    'effective_ratio', 'fill_normals', 'heading_covariance', 'heading_variance',
+    'lateral_variances', 'moved_covariance', 'outer_boundary', 'perimeter', 'planar_covariance',
+    'planar_pose', 'polynomial', 'projected', 'propagate', 'propagated_covariance',
+    'reachable_set', 'reachable_set_from_slip', 'rotations', 'sample_heading', 'sample_paths',
+    'sample_travel', 'simplified', 'slip_covariance', 'stage_from_slip', 'step_noise',
+    'pose_jacobians', 'travel_of_command', 'travel_variance', 'twist_covariance', 'unit_bound',
+    'with_pivots_joined', 'yaw_from_quaternion']

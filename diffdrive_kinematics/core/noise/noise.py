@@ -41,7 +41,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 __all__ = [
-    'SLIP_MODELS', 'WheelSlip', 'effective_ratio', 'sample_travel', 'travel_variance']
+    'SLIP_MODELS', 'WheelSlip', 'check_slip_model', 'effective_ratio', 'sample_travel',
+    'travel_variance']
 
 SLIP_MODELS = ('travel', 'command')
 
@@ -87,9 +88,41 @@ class WheelSlip:
     def __post_init__(self) -> None:
         check_above('bias', self.bias, -1.0)
         check_non_negative('slip variance', self.variance)
-        if self.model not in SLIP_MODELS:
-            raise ValueError(f'slip model is {self.model!r}, expected one of {SLIP_MODELS}')
+        check_slip_model('slip model', self.model)
         check_distribution('slip distribution', self.distribution)
+
+
+def check_slip_model(name: str, model: str) -> str:
+    """
+    Return ``model``, or raise unless it is one of ``SLIP_MODELS``.
+
+    Parameters
+    ----------
+    name : str
+        What the user calls the value; the error names it.
+    model : str
+        Name of the law of the slip.
+
+    Returns
+    -------
+    str
+        The model.
+
+    Raises
+    ------
+    ValueError
+        If ``model`` is none of ``SLIP_MODELS``.
+
+    Examples
+    --------
+    >>> check_slip_model('slip_model', 'time')
+    Traceback (most recent call last):
+    ValueError: slip_model is 'time', expected 'travel' or 'command'
+
+    """
+    if model not in SLIP_MODELS:
+        raise ValueError(f"{name} is {model!r}, expected {' or '.join(map(repr, SLIP_MODELS))}")
+    return model
 
 
 def travel_variance(slip: WheelSlip, travel: Travel) -> Travel:

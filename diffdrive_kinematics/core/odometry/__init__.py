@@ -21,7 +21,7 @@ believed of drivers: their clocks, velocities, several publishers, several wheel
 """
 
 from diffdrive_kinematics.core.odometry.encoders import Encoder, PositionTrack, wrapped_increment
-from diffdrive_kinematics.core.odometry.frames import composed, inverted, OdometryHistory
+from diffdrive_kinematics.core.odometry.history import OdometryHistory
 from diffdrive_kinematics.core.odometry.joint_assembly import Assembled, Assembly, JointReading
 from diffdrive_kinematics.core.odometry.measured_wheels import MeasuredWheels
 from diffdrive_kinematics.core.odometry.odometry import BaseState, Odometry
@@ -41,6 +41,6 @@ __all__ = [
     'JointReading', 'MeasuredWheels', 'Odometry', 'OdometryHistory', 'WheelPair', 'PositionTrack',
     'REMEMBERED_NS', 'RateWindow', 'Received', 'SenderClock', 'SenderClocks', 'SideTrack',
     'SlipStream', 'Source', 'Sources', 'Spoken', 'VelocityCheck', 'Verdict', 'WheelMotion',
-    'WheelSample', 'ZERO', 'composed', 'baseline', 'inverted', 'is_run', 'is_silent',
+    'WheelSample', 'ZERO', 'baseline', 'is_run', 'is_silent',
     'mean_of', 'rates_at', 'update_motion', 'rolled', 'shifted', 'step_tolerance',
     'timeout_from_seconds', 'tolerance_of', 'wrapped_increment']

@@ -30,13 +30,13 @@ them: filtered, late, in other units, or nothing at all.
 
 from typing import NamedTuple, Optional
 
+from diffdrive_kinematics.core.kinematics import NANOSECONDS
 from diffdrive_kinematics.core.odometry.rate_window import RateWindow
 from diffdrive_kinematics.core.odometry.velocity_check import VelocityCheck
 from diffdrive_kinematics.core.odometry.wheel_motion import WheelPair, ZERO
 
 __all__ = ['MeasuredWheels']
 
-NANOSECONDS = 1e9
 REACH = 3  # usual intervals
 CREDIBLE = 2.0  # times the rate of the positions: a velocity above it is an outlier
 STEADY = 3  # messages in a row in which a wheel turned one way

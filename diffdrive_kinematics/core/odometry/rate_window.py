@@ -27,11 +27,11 @@ and encoders count in ticks.  Over a window of N intervals these errors are N ti
 
 from typing import NamedTuple, Tuple
 
+from diffdrive_kinematics.core.kinematics import NANOSECONDS
 from diffdrive_kinematics.core.odometry.wheel_motion import WheelPair, ZERO
 
 __all__ = ['RateWindow']
 
-NANOSECONDS = 1e9
 USUAL_NS = 20_000_000  # the interval expected before two messages are known
 WEIGHT = 16  # of what was usual, against one more interval
 LONGEST = 4  # usual intervals that one more counts for at most

@@ -42,7 +42,7 @@ import enum
 import math
 from typing import NamedTuple, Optional, Tuple
 
-from diffdrive_kinematics.core.kinematics import is_sane, LARGEST
+from diffdrive_kinematics.core.kinematics import is_sane, LARGEST, NANOSECONDS
 
 __all__ = [
     'WheelPair', 'Received', 'Verdict', 'WheelMotion', 'WheelSample', 'ZERO', 'baseline', 'is_run',
@@ -51,7 +51,6 @@ __all__ = [
 
 WheelPair = Tuple[float, float]
 ZERO: WheelPair = (0.0, 0.0)
-NANOSECONDS = 1e9
 STEP_TOLERANCE_NS = 1_000_000_000
 
 

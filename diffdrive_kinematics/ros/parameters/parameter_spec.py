@@ -21,18 +21,17 @@ from typing import Any, Callable, Optional, Tuple
 
 from diffdrive_kinematics.core.kinematics import (
     check_above, check_duration, check_non_negative, check_positive, check_rate)
-from diffdrive_kinematics.core.noise import DISTRIBUTIONS, SLIP_MODELS
 from rclpy.exceptions import InvalidTopicNameException
 from rclpy.validate_topic_name import validate_topic_name
 
 __all__ = [
     'Check', 'ParameterSpec', 'Kind', 'check_bias', 'check_concentration', 'check_count',
-    'check_description', 'check_diagonal', 'check_distribution', 'check_frame', 'check_horizon',
-    'check_joint_names', 'check_named', 'check_offset', 'check_one_of', 'check_optional_picture',
+    'check_description', 'check_diagonal', 'check_frame', 'check_horizon', 'check_joint_names',
+    'check_named', 'check_offset', 'check_one_of', 'check_optional_picture',
     'check_optional_seed', 'check_optional_topic', 'check_picture', 'check_pose',
     'check_positive_or_nan', 'check_prefix', 'check_range', 'check_rate_or_off',
-    'check_resolution', 'check_seed', 'check_slip_model', 'check_stages', 'check_step',
-    'check_topic', 'check_wheel_base', 'check_width', 'check_window', 'string', 'topic']
+    'check_resolution', 'check_seed', 'check_stages', 'check_step', 'check_topic',
+    'check_wheel_base', 'check_width', 'check_window', 'string', 'topic']
 
 Check = Callable[[str, Any], Any]
 MOST, MOST_STAGES, MOST_IN_WINDOW = 100_000, 25, 1000
@@ -207,16 +206,6 @@ def check_prefix(name: str, value: str) -> None:
 def _check_part_of_frame(name: str, value: str) -> None:
     if any(map(str.isspace, value)):
         raise ValueError(f'{name} is {value!r}, expected a name without blanks')
-
-
-def check_slip_model(name: str, value: str) -> None:
-    if value not in SLIP_MODELS:
-        raise ValueError(f"{name} is {value!r}, expected {' or '.join(map(repr, SLIP_MODELS))}")
-
-
-def check_distribution(name: str, value: str) -> None:
-    if value not in DISTRIBUTIONS:
-        raise ValueError(f"{name} is {value!r}, expected one of {', '.join(DISTRIBUTIONS)}")
 
 
 def check_bias(name: str, value: float) -> None:

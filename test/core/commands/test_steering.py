@@ -18,9 +18,8 @@ import math
 from pathlib import Path
 
 from diffdrive_kinematics.core.commands import (
-    Approach, HeadingRegulator, PointForward, Points, points_of, PoseController, PurePursuit,
-    Steered, SteeringLimits)
-from diffdrive_kinematics.core.commands import AxisLimits, Drive, DriveSettings, Twist
+    AxisLimits, Drive, DriveSettings, HeadingRegulator, PointForward, PoseController, Progress,
+    PurePursuit, SteeringCommand, SteeringLimits, Twist, Waypoints, waypoints_from_poses)
 from diffdrive_kinematics.core.kinematics import (
     advance, Pose, pose_change_from_travel, travel_from_angles, WheelGeometry, wrap_angle)
 from hypothesis import given, strategies as st
@@ -95,7 +94,7 @@ def assert_the_short_way_round(way, start):
 def test_each_law_reaches_the_goal_from_a_thousand_starts_within_a_robots_limits(name):
     law = LAWS[name]
     for start in random_starts(1):
-        way, steered = driven(lambda pose: law.steered(pose, GOAL), start)
+        way, steered = driven(lambda pose: law.steer(pose, GOAL), start)
         assert steered.arrived, start
         end = way[-1]
         reached = advance(end, law.offset, 0.0) if name == 'point' else end
@@ -110,7 +109,7 @@ def test_each_law_reaches_the_goal_from_a_thousand_starts_within_a_robots_limits
 def test_a_goal_straight_behind_is_reached_whatever_the_noise_makes_of_the_sign(name):
     noise = np.random.default_rng(2)
     for start in random_starts(3, 200)[::5]:
-        way, steered = driven(lambda pose: LAWS[name].steered(pose, GOAL), start, noise)
+        way, steered = driven(lambda pose: LAWS[name].steer(pose, GOAL), start, noise)
         assert steered.arrived, start
         if name in ('heading', 'point'):  # the other comes on a curve
             assert_the_short_way_round(way, start)
@@ -121,15 +120,16 @@ def test_a_goal_straight_behind_is_reached_whatever_the_noise_makes_of_the_sign(
 def test_the_first_turn_is_the_short_way_round(sign, bearing):
     for error in (0.3, 1.0, 2.0, 3.0, math.pi - 1e-9):
         pose = Pose(-math.cos(bearing), -math.sin(bearing), wrap_angle(bearing - sign * error))
-        assert sign * LAWS['heading'].steered(pose, GOAL).twist.w > 0.0
+        assert sign * LAWS['heading'].steer(pose, GOAL).twist.w > 0.0
         goal = GOAL._replace(theta=bearing)
-        assert sign * LAWS['pose'].steered(pose, goal).twist.w > 0.0
-        assert sign * PurePursuit().pursued(pose, Points(((0.0, 0.0),)), 0.0).steered.twist.w > 0.0
+        assert sign * LAWS['pose'].steer(pose, goal).twist.w > 0.0
+        pursued = PurePursuit().follow(pose, Waypoints(((0.0, 0.0),)), 0.0)
+        assert sign * pursued.steered.twist.w > 0.0
 
 
 @given(poses)
 def test_the_heading_regulator_never_goes_away_from_the_goal(pose):
-    twist, distance, error, _ = LAWS['heading'].steered(pose, GOAL)
+    twist, distance, error, _ = LAWS['heading'].steer(pose, GOAL)
     assert twist.v >= 0.0 and twist.v * math.cos(error) >= 0.0
     assert twist.w * error >= 0.0
 
@@ -137,7 +137,7 @@ def test_the_heading_regulator_never_goes_away_from_the_goal(pose):
 @given(poses)
 def test_the_point_ahead_goes_straight_to_the_goal(pose):
     law = LAWS['point']
-    (v, w), distance, *_ = law.steered(pose, GOAL)
+    (v, w), distance, *_ = law.steer(pose, GOAL)
     c, s = math.cos(pose.theta), math.sin(pose.theta)
     rate = np.array([c * v - law.offset * s * w, s * v + law.offset * c * w])
     place = np.array([pose.x + law.offset * c, pose.y + law.offset * s])
@@ -150,7 +150,7 @@ def test_the_point_ahead_goes_straight_to_the_goal(pose):
 def test_the_lyapunov_function_of_the_pose_controller_falls(pose):
     """The derivative is taken along the robot's motion, limits included."""
     law = LAWS['pose']
-    (v, w), distance, *_ = law.steered(pose, GOAL)
+    (v, w), distance, *_ = law.steer(pose, GOAL)
     if distance <= LIMITS.distance_tolerance:
         return
     bearing = math.atan2(-pose.y, -pose.x)
@@ -165,8 +165,8 @@ def test_the_lyapunov_function_of_the_pose_controller_falls(pose):
 @given(poses, st.floats(0.05, 2.0), st.floats(0.1, 5.0))
 def test_limits_keep_the_curvature(pose, max_speed, max_yaw_rate):
     limits = SteeringLimits(max_speed, max_yaw_rate)
-    twist, *_ = PoseController(limits=limits).steered(pose, GOAL)
-    free, *_ = PoseController(limits=SteeringLimits(1e6, 1e6)).steered(pose, GOAL)
+    twist, *_ = PoseController(limits=limits).steer(pose, GOAL)
+    free, *_ = PoseController(limits=SteeringLimits(1e6, 1e6)).steer(pose, GOAL)
     assert abs(twist.v) <= max_speed * (1.0 + 1e-12)
     assert abs(twist.w) <= max_yaw_rate * (1.0 + 1e-12)
     assert twist.v * free.w == pytest.approx(twist.w * free.v, abs=1e-9)
@@ -177,11 +177,11 @@ def test_paths_are_followed_from_a_thousand_starts_within_a_robots_limits():
     generator = np.random.default_rng(4)
     for start in random_starts(5):
         corners = np.cumsum(generator.uniform(-0.6, 0.6, (3, 2)), axis=0)
-        path, along = Points(tuple(map(tuple, corners.tolist()))), 0.0
+        path, along = Waypoints(tuple(map(tuple, corners.tolist()))), 0.0
 
         def steer(pose):
             nonlocal along
-            steered, along = law.pursued(pose, path, along)
+            steered, along = law.follow(pose, path, along)
             return steered
 
         way, steered = driven(steer, start)
@@ -191,12 +191,12 @@ def test_paths_are_followed_from_a_thousand_starts_within_a_robots_limits():
 
 
 def test_a_path_that_is_begun_on_is_followed_to_a_few_centimetres_and_corners_are_cut():
-    path = Points(((0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0), (0.0, 0.0)))
+    path = Waypoints(((0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0), (0.0, 0.0)))
     law, along = PurePursuit(lookahead=0.15, limits=LIMITS), 0.0
 
     def steer(pose):
         nonlocal along
-        steered, along = law.pursued(pose, path, along)
+        steered, along = law.follow(pose, path, along)
         return steered
 
     way, steered = driven(steer, Pose(0.0, 0.0, 0.0))
@@ -209,7 +209,7 @@ def test_a_path_that_is_begun_on_is_followed_to_a_few_centimetres_and_corners_ar
 @given(st.lists(st.tuples(st.floats(-2.0, 2.0), st.floats(-2.0, 2.0)), min_size=1, max_size=6),
        st.floats(-2.0, 2.0), st.floats(-2.0, 2.0))
 def test_what_is_nearest_on_a_path_is_nearer_than_all_else(points, x, y):
-    path = Points(tuple(points))
+    path = Waypoints(tuple(points))
     place = path.nearest(x, y, 0.0, path.length)
     distance = math.dist(path.at(place), (x, y))
     for along in np.linspace(0.0, path.length, 50):
@@ -218,18 +218,19 @@ def test_what_is_nearest_on_a_path_is_nearer_than_all_else(points, x, y):
 
 
 def test_a_crossing_does_not_shorten_the_path():
-    path = Points(((-1.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0), (0.0, -1.0)))
-    _, along = PurePursuit(lookahead=0.2).pursued(Pose(0.0, 0.0, 0.0), path, 0.9)
+    path = Waypoints(((-1.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0), (0.0, -1.0)))
+    _, along = PurePursuit(lookahead=0.2).follow(Pose(0.0, 0.0, 0.0), path, 0.9)
     assert along == pytest.approx(1.0)
 
 
 def test_an_approach_notices_that_the_robot_comes_no_nearer():
-    approach = Approach(math.inf, math.inf, 0)
-    approach = approach.looked(Steered(Twist(0.1, 0.0), 1.0, 0.5, False), 1)
-    assert approach == (1.0, 0.5, 1)
-    assert approach.looked(Steered(Twist(0.1, 0.0), 0.9995, 0.6, False), 2).since_ns == 1
-    assert approach.looked(Steered(Twist(0.1, 0.0), 0.99, 0.6, False), 2) == (0.99, 0.5, 2)
-    assert approach.looked(Steered(Twist(0.0, 0.1), 1.0, -0.4, False), 3) == (1.0, 0.4, 3)
+    progress = Progress(math.inf, math.inf, 0)
+    progress = progress.updated(SteeringCommand(Twist(0.1, 0.0), 1.0, 0.5, False), 1)
+    assert progress == (1.0, 0.5, 1)
+    assert progress.updated(SteeringCommand(Twist(0.1, 0.0), 0.9995, 0.6, False), 2).since_ns == 1
+    nearer = progress.updated(SteeringCommand(Twist(0.1, 0.0), 0.99, 0.6, False), 2)
+    assert nearer == (0.99, 0.5, 2)
+    assert progress.updated(SteeringCommand(Twist(0.0, 0.1), 1.0, -0.4, False), 3) == (1.0, 0.4, 3)
 
 
 @pytest.mark.parametrize(('make', 'words'), [
@@ -239,8 +240,8 @@ def test_an_approach_notices_that_the_robot_comes_no_nearer():
     (lambda: PointForward(offset=0.0), 'offset is 0.0'),
     (lambda: PoseController(yaw_weight=-1.0), 'yaw_weight is -1.0'),
     (lambda: PurePursuit(lookahead=0.0), 'lookahead is 0.0'),
-    (lambda: Points(()), 'no points'),
-    (lambda: points_of([Pose(0.0, math.inf, 0.0)]), 'expected finite numbers')])
+    (lambda: Waypoints(()), 'no points'),
+    (lambda: waypoints_from_poses([Pose(0.0, math.inf, 0.0)]), 'expected finite numbers')])
 def test_what_makes_no_sense_is_refused_by_name_and_value(make, words):
     with pytest.raises(ValueError) as error:
         make()

@@ -17,9 +17,9 @@
 import math
 
 from diffdrive_kinematics.core.kinematics import check_non_negative, check_positive
-from diffdrive_kinematics.core.noise import DISTRIBUTIONS
+from diffdrive_kinematics.core.noise import check_distribution, DISTRIBUTIONS
 from diffdrive_kinematics.ros.parameters.parameter_spec import (
-    check_bias, check_concentration, check_distribution, check_joint_names, check_one_of,
+    check_bias, check_concentration, check_joint_names, check_one_of,
     check_pose, check_range, check_rate_or_off, Kind, ParameterSpec as Spec)
 
 DIAGNOSTICS = Spec(

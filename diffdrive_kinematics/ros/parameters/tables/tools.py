@@ -25,6 +25,7 @@ from diffdrive_kinematics.ros.parameters.parameter_spec import (
 from diffdrive_kinematics.ros.parameters.tables.shared import (
     BIAS, DISTRIBUTION, ENCODER_RANGE, EXECUTOR, GEOMETRY, JOINTS, SEPARATION, SLIP, SQUARE, START)
 
+OVERWRITE = Spec('overwrite', False, 'replace files that exist', Kind.BOOL, read_only=True)
 MODELS = (
     'unicycle', 'differential_drive', 'tricycle', 'bicycle', 'car', 'front_drive_tricycle',
     'rear_wheels_tricycle', 'ackermann_car')
@@ -59,7 +60,8 @@ PLOT_PATHS = (
     *BIAS, *SLIP,
     replace(DISTRIBUTION, description=DISTRIBUTION.description + '; that of the errors of '
             'commands has to be bounded: gaussian stands for uniform there'),
-    string('output', 'paths.png', 'file to write, .png or .svg', check_picture))
+    string('output', 'paths.png', 'file to write, .png or .svg', check_picture),
+    OVERWRITE)
 
 CALIBRATE = (
     *GEOMETRY, *JOINTS,
@@ -94,7 +96,7 @@ CALIBRATE = (
     string('output', 'calibration.yaml', 'params file to write', check_named),
     string('picture', '', 'picture of errors before and after to write, .png or .svg; empty: '
            'none', check_optional_picture),
-    Spec('overwrite', False, 'replace files that exist', Kind.BOOL, read_only=True),
+    OVERWRITE,
     EXECUTOR)
 
 ROBOT_DESCRIPTION = (
@@ -108,6 +110,7 @@ ROBOT_DESCRIPTION = (
          check=check_width),
     string('output', '', 'file to write instead: .urdf, or .yaml, a params file for '
            'robot_state_publisher; empty: publish', check_description),
+    OVERWRITE,
     EXECUTOR)
 
 DIFFDRIVE_SIM = (

@@ -12,73 +12,17 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Frames in the plane: chains of poses, and the odometry as it was at a time that is past."""
+"""The odometry as it was at a time that is past."""
 
 from dataclasses import dataclass
-import math
 from typing import Tuple
 
-from diffdrive_kinematics.core.kinematics import Pose, wrap_angle
+from diffdrive_kinematics.core.kinematics import Pose
 from diffdrive_kinematics.core.odometry.odometry import Odometry
 
-__all__ = ['OdometryHistory', 'composed', 'inverted']
+__all__ = ['OdometryHistory']
 
 LONGEST = 128
-
-
-def composed(outer: Pose, inner: Pose) -> Pose:
-    """
-    Return the pose of frame C in A, from that of B in A and that of C in B.
-
-    Parameters
-    ----------
-    outer : Pose
-        Pose of B in A; floats.
-    inner : Pose
-        Pose of C in B; floats.
-
-    Returns
-    -------
-    Pose
-        Pose of C in A, theta in (-pi, pi].
-
-    Examples
-    --------
-    One metre ahead of a robot that looks along y:
-
-    >>> found = composed(Pose(1.0, 2.0, 0.5 * math.pi), Pose(1.0, 0.0, 0.0))
-    >>> [round(value, 6) for value in found]
-    [1.0, 3.0, 1.570796]
-
-    """
-    c, s = math.cos(outer.theta), math.sin(outer.theta)
-    return Pose(outer.x + c * inner.x - s * inner.y, outer.y + s * inner.x + c * inner.y,
-                wrap_angle(outer.theta + inner.theta))
-
-
-def inverted(pose: Pose) -> Pose:
-    """
-    Return the pose of frame A in B, from that of B in A.
-
-    Parameters
-    ----------
-    pose : Pose
-        Pose of B in A; floats.
-
-    Returns
-    -------
-    Pose
-        Pose of A in B, theta in (-pi, pi].
-
-    Examples
-    --------
-    >>> pose = Pose(1.0, 2.0, 0.5)
-    >>> [abs(round(value, 9)) for value in composed(pose, inverted(pose))]
-    [0.0, 0.0, 0.0]
-
-    """
-    c, s = math.cos(pose.theta), math.sin(pose.theta)
-    return Pose(-c * pose.x - s * pose.y, s * pose.x - c * pose.y, wrap_angle(-pose.theta))
 
 
 @dataclass(frozen=True)

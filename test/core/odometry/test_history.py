@@ -12,41 +12,17 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Chains of poses, and the odometry at times that are past."""
+"""The odometry at times that are past."""
 
 from dataclasses import replace
-import math
 
-from diffdrive_kinematics.core.kinematics import Pose, WheelGeometry, wrap_angle
-from diffdrive_kinematics.core.odometry import (
-    composed, inverted, Odometry, OdometryHistory, WheelSample)
-from hypothesis import given, strategies as st
+from diffdrive_kinematics.core.kinematics import Pose, WheelGeometry
+from diffdrive_kinematics.core.odometry import Odometry, OdometryHistory, WheelSample
 import pytest
 
 S = 1_000_000_000
 START = Odometry.starting_at(
     Pose(0.0, 0.0, 0.0), geometry=WheelGeometry(0.4, 0.1), timeout_ns=None)
-poses = st.builds(
-    Pose, st.floats(-9.0, 9.0), st.floats(-9.0, 9.0), st.floats(-math.pi, math.pi))
-
-
-def assert_same_pose(pose, other):
-    assert pose[:2] == pytest.approx(other[:2], abs=1e-12)
-    assert wrap_angle(pose.theta - other.theta) == pytest.approx(0.0, abs=1e-12)
-
-
-@given(poses, poses, poses)
-def test_chains_of_poses_are_a_group(a, b, c):
-    assert_same_pose(composed(composed(a, b), c), composed(a, composed(b, c)))
-    assert_same_pose(composed(a, inverted(a)), Pose(0.0, 0.0, 0.0))
-    assert_same_pose(composed(inverted(a), a), Pose(0.0, 0.0, 0.0))
-    assert -math.pi < composed(a, b).theta <= math.pi
-    assert -math.pi < inverted(a).theta <= math.pi
-
-
-def test_what_is_ahead_of_a_robot_that_faces_left_is_to_the_left():
-    ahead = composed(Pose(1.0, 2.0, math.pi / 2), Pose(3.0, 0.0, 0.0))
-    assert_same_pose(ahead, Pose(1.0, 5.0, math.pi / 2))
 
 
 def heard(*samples):
