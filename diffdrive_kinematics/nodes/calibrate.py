@@ -14,7 +14,7 @@
 
 """``calibrate``: a robot's systematic errors and slip, from files or live topics, into a YAML."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 import sys
 from typing import Any, Mapping
 
@@ -29,11 +29,12 @@ from diffdrive_kinematics.ros.runtime.clocks import SteadyTimers
 from diffdrive_kinematics.ros.runtime.final_command import HEARTBEAT_S
 from diffdrive_kinematics.ros.runtime.node import DiffDriveNode
 from diffdrive_kinematics.ros.runtime.output import exit_status, report
+from diffdrive_kinematics.ros.runtime.rclpy_private import MessageInfo
 from diffdrive_kinematics.ros.runtime.running import run, spin_node, Stop
 from diffdrive_kinematics.tools.calibration import Calibration, of_drives, of_squares, table
 from diffdrive_kinematics.tools.calibration_file import params_text
-from diffdrive_kinematics.tools.calibration_sources import (
-    Collection, motion_of, read_drives, read_square_runs)
+from diffdrive_kinematics.tools.calibration_sources import read_drives, read_square_runs
+from diffdrive_kinematics.tools.collection import Collection
 from diffdrive_kinematics.tools.output_files import check_writable, write_files
 from geometry_msgs.msg import PoseStamped
 from nav_msgs.msg import Odometry
@@ -90,20 +91,20 @@ class Calibrate(DiffDriveNode[Config]):
             wheel_joints(values), positions=values['position_feedback'],
             encoder_range=values['encoder_range'])
         WheelWatch(self, self._reader, values['motion_topic'])
-        self.subscribe(
-            JointState, values['motion_topic'], self._on_wheels, raw=True, numbered=True)
+        self.runtime.listen(
+            JointState, values['motion_topic'], self._on_wheels, raw=True, informed=True)
         odometry = values['reference_type'] == 'odometry'
-        self.subscribe(
+        self.runtime.listen(
             Odometry if odometry else PoseStamped, values['reference_topic'],
             self._on_odometry if odometry else self._on_pose, best_effort=True)
-        self.create_service(Trigger, '~/finish', self._on_finish)
-        self.every(PROGRESS_RATE, self._report)
+        self.runtime.serve(Trigger, '~/finish', self._on_finish)
+        self.runtime.every(PROGRESS_RATE, self._report)
         self.get_logger().info(
             f"collecting '{values['motion_topic']}' and '{values['reference_topic']}' until "
             f'{self.get_fully_qualified_name()}/finish is called')
 
-    def _on_wheels(self, message: bytes, number: int) -> None:
-        sample = self._reader.read(message, self.now_ns, number)
+    def _on_wheels(self, message: bytes, info: MessageInfo) -> None:
+        sample = self._reader.read(message, self.runtime.now_ns, info.number)
         if sample is not None:
             self.collection.add_wheels(sample)
 
@@ -144,16 +145,16 @@ def from_files(config: Config) -> Calibration:
     """Return the calibration from the files of the parameters; ``ValueError`` if there is none."""
     values, geometry = config.values, config.geometry
     if values['square_runs']:
-        runs = read_square_runs(values['square_runs'])
+        runs = read_square_runs(values['square_runs'], values['square_side'])
         try:
             return of_squares(values, geometry, *runs)
         except ValueError as error:
             raise ValueError(f"{values['square_runs']}: {error}") from error
-    drives = read_drives(values, geometry)
-    commands = any(motion_of(path) == 'commands' for path in values['recordings'])
-    return of_drives(
+    drives, commands, remarks = read_drives(values, geometry)
+    calibration = of_drives(
         values, geometry, drives, commands=commands,
         clock=values['clock'] or ('delay' if commands else 'offsets'))
+    return replace(calibration, remarks=(*calibration.remarks, *remarks))
 
 
 def conclude(calibration: Calibration, values: Mapping[str, Any]) -> str:
