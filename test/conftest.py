@@ -27,6 +27,8 @@ settings.register_profile('ci', derandomize=True, deadline=None)
 settings.register_profile('quick', settings.get_profile('ci'), max_examples=25)
 settings.load_profile('ci')
 
+pytest_plugins = ['diffdrive_kinematics.testing.plugin']  # also where it is not installed
+
 
 def pytest_configure(config):
     """Draw fewer examples of a law where slow tests are left out."""
