@@ -382,6 +382,7 @@ def test_files_of_every_kind_of_motion_find_the_wheels(graph, tmp_path):
             TRUTH, rel=2e-3), header
 
 
+@pytest.mark.quick
 def test_of_rows_with_one_stamp_the_last_wins_and_the_table_counts_them(graph, tmp_path):
     samples = list(drive_samples(40.0))
     rows = [(time, *angles) for time, angles, _ in samples]
