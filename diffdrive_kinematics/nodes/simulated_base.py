@@ -21,10 +21,10 @@ from typing import Any, Mapping, Optional, Tuple
 from diffdrive_kinematics.core.kinematics import compose, inverse, Pose, WheelGeometry
 from diffdrive_kinematics.core.noise import (
     heading_covariance, NO_COVARIANCE, PoseCovariance, sample_heading, twist_covariance)
+import diffdrive_kinematics.core.odometry as core
 from diffdrive_kinematics.core.odometry import (
     Encoder, MeasuredWheels, OdometryHistory, RateWindow, timeout_from_seconds, Verdict,
     WheelPair)
-from diffdrive_kinematics.core.odometry import odometry as core
 from diffdrive_kinematics.ros.inputs.driver_watch import DriverWatch
 from diffdrive_kinematics.ros.inputs.wheel_watch import WheelWatch
 from diffdrive_kinematics.ros.messages.messages import (
@@ -118,10 +118,10 @@ class SimulatedBase(DiffDriveNode[Config]):
         pose, covariance = _start(values)
         self._odometry = core.Odometry.starting_at(
             pose, geometry=self.config.geometry, timeout_ns=self.config.timeout_ns,
-            slip_variances=self.config.slip_variances, covariance=covariance)._replace(
-                max_rate=_bound(values), unmeasured=MeasuredWheels(
-                    values['extrapolate_positions'],
-                    RateWindow(values['velocity_rolling_window_size'])))
+            slip_variances=self.config.slip_variances, covariance=covariance,
+            max_rate=_bound(values), unmeasured=MeasuredWheels(
+                values['extrapolate_positions'],
+                RateWindow(values['velocity_rolling_window_size'])))
         self._wheels = WheelMessage(joints, self.source(), encoder)
         prefix = frame_prefix(values, self.get_namespace())
         self._message = OdometryMessage(
@@ -299,7 +299,8 @@ class SimulatedBase(DiffDriveNode[Config]):
                 old.geometry, old.timeout_ns, old.slip_variances):
             self._odometry = old.configured(
                 config.geometry, config.timeout_ns, now_ns, config.slip_variances)
-        self._odometry = self._odometry._replace(max_rate=_bound(config.values))
+        self._odometry = self._odometry._replace(
+            wheels=self._odometry.wheels._replace(max_rate=_bound(config.values)))
         self._history = self._history.followed(self._odometry)
         self._set_diagonals(config.values)
         self._timer = self.retimed(self._timer, config.values['publish_rate'], self._tick)

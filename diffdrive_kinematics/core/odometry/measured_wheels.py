@@ -33,7 +33,7 @@ from typing import NamedTuple, Optional
 from diffdrive_kinematics.core.kinematics import NANOSECONDS
 from diffdrive_kinematics.core.odometry.rate_window import RateWindow
 from diffdrive_kinematics.core.odometry.velocity_check import VelocityCheck
-from diffdrive_kinematics.core.odometry.wheel_motion import WheelPair, ZERO
+from diffdrive_kinematics.core.odometry.wheel_sample import WheelPair, ZERO
 
 __all__ = ['MeasuredWheels']
 

@@ -27,37 +27,12 @@ what the message took.  The least latency is the offset, but for the fastest mes
 
 from typing import NamedTuple, Optional, Tuple
 
-__all__ = ['SenderClock', 'tolerance_of']
-
-TOLERANCE_NS = 250_000_000
+__all__ = ['SenderClock']
 
 PATIENCE_NS = 1_000_000_000
 FEWEST = 5  # messages to judge by
 DRIFT = 100  # the least latency may rise by one part of so many
 HYSTERESIS = 10  # clocks that were apart agree again within one part in so many of the tolerance
-
-
-def tolerance_of(timeout_ns: Optional[int]) -> int:
-    """
-    Return how far stamps may be off where silence has a timeout: half of it.
-
-    Parameters
-    ----------
-    timeout_ns : int or None
-        The timeout [ns]; None: there is none.
-
-    Returns
-    -------
-    int
-        The tolerance [ns], a quarter of a second at most.
-
-    Examples
-    --------
-    >>> tolerance_of(None), tolerance_of(100_000_000)
-    (250000000, 50000000)
-
-    """
-    return TOLERANCE_NS if timeout_ns is None else min(TOLERANCE_NS, timeout_ns // 2)
 
 
 class SenderClock(NamedTuple):
@@ -159,7 +134,7 @@ class SenderClock(NamedTuple):
         See :class:`SenderClock`.
 
         """
-        return time_ns - self.offset_ns
+        return time_ns - (self.least_ns or 0) if self.apart else time_ns
 
     def delay_ns(self, stamp_ns: int, arrival_ns: int) -> int:
         """

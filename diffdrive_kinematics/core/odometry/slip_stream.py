@@ -25,13 +25,12 @@ from typing import Optional, Tuple
 
 from diffdrive_kinematics.core.kinematics import RunningSum
 from diffdrive_kinematics.core.noise import effective_ratio, sample_travel, WheelSlip
-from diffdrive_kinematics.core.odometry.wheel_motion import (
-    baseline, rolled, update_motion, Verdict, WheelMotion, WheelPair, WheelSample)
+from diffdrive_kinematics.core.odometry.motion_update import update_motion
+from diffdrive_kinematics.core.odometry.wheel_motion import baseline, rolled, WheelMotion
+from diffdrive_kinematics.core.odometry.wheel_sample import Verdict, WheelPair, WheelSample, ZERO
 import numpy as np
 
 __all__ = ['SlipStream']
-
-ZERO: WheelPair = (0.0, 0.0)
 
 
 @dataclass(frozen=True)

@@ -71,7 +71,7 @@ def test_it_grows_within_a_leg_and_looking_changes_nothing():
 
 def test_wheels_that_do_not_slip_leave_no_covariance():
     odometry = fed(PLAIN, SAMPLES)
-    assert odometry.covariance is NO_COVARIANCE
+    assert odometry.anchor.covariance is NO_COVARIANCE
     assert odometry.covariance_at(END) is NO_COVARIANCE
 
 

@@ -1,0 +1,191 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""
+Where the base is, by the anchor and by what the wheels have rolled since.
+
+The pose at a time is one exact arc from the anchor, so publishing neither accumulates nor changes
+anything.
+"""
+
+from typing import NamedTuple, Optional, Tuple
+
+from diffdrive_kinematics.core.kinematics import (
+    displacement, Pose, travel_from_angles, twist_from_wheel_rates, WheelGeometry)
+from diffdrive_kinematics.core.noise import (
+    moved_covariance, NO_COVARIANCE, PoseCovariance, slip_covariance)
+from diffdrive_kinematics.core.odometry.anchor import Anchor
+from diffdrive_kinematics.core.odometry.measured_wheels import MeasuredWheels
+from diffdrive_kinematics.core.odometry.sender_clock import SenderClock
+from diffdrive_kinematics.core.odometry.wheel_motion import WheelMotion
+from diffdrive_kinematics.core.odometry.wheel_sample import WheelPair, ZERO
+from diffdrive_kinematics.core.odometry.wheel_track import WheelTrack
+
+__all__ = ['BaseState', 'OdometryState']
+
+
+class BaseState(NamedTuple):
+    """
+    The base at one time.
+
+    Parameters
+    ----------
+    pose : Pose
+        Where it is [m, m, rad]; theta in (-pi, pi].
+    twist : pair of float
+        Forward speed v [m/s] and yaw rate w [rad/s].
+    angles : pair of float
+        Wheel angles (left, right) rolled since the start [rad].
+    rates : pair of float
+        Wheel rates (left, right) [rad/s].
+
+    Examples
+    --------
+    >>> state = BaseState(Pose(1.0, 0.0, 0.0), (0.5, 0.0), angles=(8.0, 8.0), rates=(4.0, 4.0))
+    >>> state.pose.x
+    1.0
+
+    """
+
+    pose: Pose
+    twist: Tuple[float, float]
+    angles: WheelPair
+    rates: WheelPair
+
+
+class OdometryState(NamedTuple):
+    """
+    What is known of a base with wheel geometry.
+
+    Parameters
+    ----------
+    geometry : WheelGeometry
+        Size and spacing of the wheels.
+    slip_variances : pair of float
+        Variances k (left, right) [m] of a wheel's travel per metre; 0: the wheels do not slip.
+    anchor : Anchor
+        Pose at the anchor, and its covariance.
+    wheels : WheelTrack
+        What the wheels have rolled up to the anchor, and since.
+
+    Examples
+    --------
+    >>> state = OdometryState(
+    ...     WheelGeometry(0.5, 0.125), (0.0, 0.0), Anchor.at(Pose(1.0, 2.0, 0.0)),
+    ...     WheelTrack(timeout_ns=None))
+    >>> state.predict(0).pose, state.at_rest
+    (Pose(x=1.0, y=2.0, theta=0.0), False)
+
+    """
+
+    geometry: WheelGeometry
+    slip_variances: WheelPair
+    anchor: Anchor
+    wheels: WheelTrack
+
+    @property
+    def motion(self) -> Optional[WheelMotion]:
+        """Return what the wheels do since the anchor; None until the first sample."""
+        return self.wheels.motion
+
+    @property
+    def clock(self) -> SenderClock:
+        """Return the clock by which samples are stamped."""
+        return self.wheels.clock
+
+    @property
+    def measured(self) -> Optional[MeasuredWheels]:
+        """Return what a driver says of the wheels; None: this package's own publishers."""
+        return self.wheels.measured
+
+    @property
+    def timeout_ns(self) -> Optional[int]:
+        """Return the silence [ns] after which the wheels stop; None = never."""
+        return self.wheels.timeout_ns
+
+    @property
+    def at_rest(self) -> bool:
+        """Return whether the wheels were at rest by the last sample."""
+        return self.wheels.at_rest
+
+    def predict(self, time_ns: int) -> BaseState:
+        """
+        Return the base at a time; before the anchor that is the base at the anchor.
+
+        Parameters
+        ----------
+        time_ns : int
+            The time [ns], on the own clock.
+
+        Returns
+        -------
+        BaseState
+            Pose, twist, wheel angles and rates.
+
+        Examples
+        --------
+        See :class:`.Odometry`.
+
+        """
+        geometry, _, anchor, wheels = self
+        (left, right), rates = wheels.state_at(time_ns)
+        return BaseState(
+            anchor.pose_after(*twist_from_wheel_rates(geometry, left, right)),
+            twist_from_wheel_rates(geometry, *rates),
+            (wheels.left.value_with(left), wheels.right.value_with(right)), rates)
+
+    def covariance_at(self, time_ns: int) -> PoseCovariance:
+        """
+        Return the covariance of the pose at a time, in the fixed frame (the axes of x and y).
+
+        It is what the slip of the wheels has made of an exactly known start, to first order.  The
+        equations stand in :func:`.slip_covariance`.
+
+        Parameters
+        ----------
+        time_ns : int
+            The time [ns], on the own clock.
+
+        Returns
+        -------
+        PoseCovariance
+            Of x, y and theta.
+
+        Examples
+        --------
+        After 1 m straight ahead ``Var theta = (k_l + k_r) |d| / L^2``:
+
+        >>> from diffdrive_kinematics.core.odometry import WheelSample
+        >>> wheels, _, _ = WheelTrack(timeout_ns=None).update(WheelSample(0, (4.0, 4.0)), now_ns=0)
+        >>> state = OdometryState(
+        ...     WheelGeometry(0.5, 0.125), (1e-4, 1e-4), Anchor.at(Pose(0.0, 0.0, 0.0)), wheels)
+        >>> round(state.covariance_at(2_000_000_000).tt, 9)
+        0.0008
+
+        """
+        angle = self.wheels.angle_at(time_ns)
+        return self.anchor.covariance if angle == ZERO else self._covariance_after(
+            self.anchor, angle)
+
+    def _covariance_after(self, anchor: Anchor, angle: WheelPair) -> PoseCovariance:
+        """Return the covariance after the wheels rolled by an angle [rad] from an anchor."""
+        if self.slip_variances == ZERO and anchor.covariance == NO_COVARIANCE:
+            return anchor.covariance
+        geometry, heading = self.geometry, anchor.heading
+        distance, turn = twist_from_wheel_rates(geometry, *angle)
+        d_left, d_right = travel_from_angles(geometry, *angle)
+        added = slip_covariance(geometry, heading, d_left, d_right, *self.slip_variances)
+        return moved_covariance(
+            anchor.covariance, Pose(0.0, 0.0, heading),
+            Pose(*displacement(heading, distance, turn), turn), added)
