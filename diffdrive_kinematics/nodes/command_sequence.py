@@ -21,14 +21,14 @@ from typing import Any, Dict, List, Mapping, Sequence, Set
 from diffdrive_kinematics.core.commands import (
     Course, course_from_commands, course_from_recording, square_course)
 from diffdrive_kinematics.core.kinematics import Command
-from diffdrive_kinematics.ros.messages.messages import TwistMessage
+from diffdrive_kinematics.ros.messages.codec import TwistCodec
 from diffdrive_kinematics.ros.parameters.from_values import commands_from
 from diffdrive_kinematics.ros.parameters.tables import COMMAND_SEQUENCE
 from diffdrive_kinematics.ros.runtime.clocks import period_ns
 from diffdrive_kinematics.ros.runtime.diagnostics import Problem, RateSample, Status, WARN
 from diffdrive_kinematics.ros.runtime.node import DiffDriveNode
 from diffdrive_kinematics.ros.runtime.running import main_of
-from diffdrive_kinematics.tools.recordings import COMMAND_COLUMNS, read_columns
+from diffdrive_kinematics.tools.command_recordings import read_commands
 from geometry_msgs.msg import Twist, TwistStamped
 from rclpy.publisher import Publisher
 from rclpy.subscription import Subscription
@@ -57,8 +57,8 @@ def build(values: Mapping[str, Any]) -> Config:
                     else _square(values))
         return Config(course_from_commands(commands), values)
     try:
-        return Config(
-            course_from_recording(read_columns(values['recording'], COMMAND_COLUMNS)), values)
+        return Config(course_from_recording(
+            read_commands(values['recording'], values['cmd_vel_topic'])), values)
     except ValueError as error:
         raise ValueError(f"recording is {values['recording']!r}: {error}") from error
 
@@ -89,7 +89,7 @@ class CommandSequence(DiffDriveNode[Config]):
         self._start_ns = -1
         self._next = 0
         stamped = values['enable_stamped_cmd_vel']
-        self._message = TwistMessage(values['base_frame_id'] if stamped else None)
+        self._message = TwistCodec(values['base_frame_id'] if stamped else None)
         self._loop = values['loop']
         self._publisher = self.publisher(
             TwistStamped if stamped else Twist, values['cmd_vel_topic'])

@@ -22,9 +22,9 @@ from diffdrive_kinematics.core.commands import Drive, DriveSettings, STILL, Twis
 from diffdrive_kinematics.ros.inputs.command_intake import Backlog, CommandIntake, LATE_NS
 from diffdrive_kinematics.ros.inputs.emergency_stop import EmergencyStop
 from diffdrive_kinematics.ros.inputs.publisher_watch import PublisherWatch
-from diffdrive_kinematics.ros.messages.messages import TwistMessage
+from diffdrive_kinematics.ros.messages.codec import TwistCodec
 from diffdrive_kinematics.ros.messages.wheel_joints import wheel_joints
-from diffdrive_kinematics.ros.messages.wheel_messages import WheelCommandMessage, WheelMessage
+from diffdrive_kinematics.ros.messages.wheel_messages import WheelCommandWriter, WheelWriter
 from diffdrive_kinematics.ros.parameters.from_values import (
     axis_limits, check_sides, check_wiring, wheel_geometry)
 from diffdrive_kinematics.ros.parameters.tables import DIFF_DRIVE_CONTROLLER
@@ -69,9 +69,9 @@ class DiffDriveController(DiffDriveNode[Config]):
         super().__init__(name, DIFF_DRIVE_CONTROLLER, build, **composition)
         values = self.config.values
         joints = wheel_joints(values)
-        self._wheels = WheelMessage(joints, self.source())
-        self._wheel_commands = WheelCommandMessage(joints)
-        self._twist = TwistMessage(values['base_frame_id'])
+        self._wheels = WheelWriter(joints, self.source())
+        self._wheel_commands = WheelCommandWriter(joints)
+        self._twist = TwistCodec(values['base_frame_id'])
         self._drive = Drive(self.config.drive, self.now_ns())
         self._told_ns = -1
         self._sent_by_tick = 0

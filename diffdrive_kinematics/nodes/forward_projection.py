@@ -23,8 +23,8 @@ from diffdrive_kinematics.core.noise import Projected, projected, unit_bound, Wh
 import diffdrive_kinematics.core.odometry as core
 from diffdrive_kinematics.ros.inputs.other_clock import StampWatch
 from diffdrive_kinematics.ros.inputs.wheel_watch import WheelWatch
+from diffdrive_kinematics.ros.messages.codec import encode_polygon, encode_poses
 from diffdrive_kinematics.ros.messages.messages import nanoseconds, pose_in_plane
-from diffdrive_kinematics.ros.messages.projection_messages import polygon_message, poses_message
 from diffdrive_kinematics.ros.messages.wheel_joints import wheel_joints
 from diffdrive_kinematics.ros.messages.wheel_messages import WheelReader
 from diffdrive_kinematics.ros.parameters.from_values import (
@@ -162,9 +162,9 @@ class ForwardProjection(DiffDriveNode[Config]):
             return
         self.sent += 1
         if self._poses_publisher and result.rows is not None:
-            self._poses_publisher.publish(poses_message(header, result.rows))
+            self._poses_publisher.publish(encode_poses(header, result.rows))
         if self._boundary_publisher and result.boundary is not None:
-            self._boundary_publisher.publish(polygon_message(header, *result.boundary))
+            self._boundary_publisher.publish(encode_polygon(header, *result.boundary))
 
     def close(self) -> None:
         """End what is still being computed."""

@@ -22,7 +22,8 @@ from diffdrive_kinematics.core.commands import (
     HeadingRegulator, Law, PointForward, PoseController, Progress, PurePursuit,
     SteeringCommand, SteeringLimits, Waypoints, waypoints_from_poses)
 from diffdrive_kinematics.core.kinematics import check_finite, Pose
-from diffdrive_kinematics.ros.messages.messages import nanoseconds, pose_in_plane, TwistMessage
+from diffdrive_kinematics.ros.messages.codec import TwistCodec
+from diffdrive_kinematics.ros.messages.messages import nanoseconds, pose_in_plane
 from diffdrive_kinematics.ros.parameters.tables import GOAL_STEERING
 from diffdrive_kinematics.ros.runtime.diagnostics import (
     heard_values, quiet, RateSample, Status, unheard)
@@ -106,7 +107,7 @@ class GoalSteering(DiffDriveNode[Config]):
         self._standing = False
         self._progress = Progress(math.inf, math.inf, 0)
         stamped = values['enable_stamped_cmd_vel']
-        self._message = TwistMessage(values['base_frame_id'] if stamped else None)
+        self._message = TwistCodec(values['base_frame_id'] if stamped else None)
         self._publisher = self.publisher(
             TwistStamped if stamped else Twist, values['cmd_vel_topic'])
         self.subscribe(Odometry, values['odom_topic'], self._on_odometry)

@@ -27,10 +27,11 @@ from diffdrive_kinematics.core.odometry import (
     WheelPair)
 from diffdrive_kinematics.ros.inputs.driver_watch import DriverWatch
 from diffdrive_kinematics.ros.inputs.wheel_watch import WheelWatch
+from diffdrive_kinematics.ros.messages.codec import OdometryCodec
 from diffdrive_kinematics.ros.messages.messages import (
-    check_stamp, given_pose, nanoseconds, OdometryMessage, pose_in_plane)
+    check_stamp, given_pose, nanoseconds, pose_in_plane)
 from diffdrive_kinematics.ros.messages.wheel_joints import wheel_joints
-from diffdrive_kinematics.ros.messages.wheel_messages import WheelMessage, WheelReader
+from diffdrive_kinematics.ros.messages.wheel_messages import WheelReader, WheelWriter
 from diffdrive_kinematics.ros.parameters.from_values import (
     check_sides, check_wiring, wheel_geometry)
 from diffdrive_kinematics.ros.parameters.tables import SIMULATED_BASE
@@ -122,9 +123,9 @@ class SimulatedBase(DiffDriveNode[Config]):
             max_rate=_bound(values), unmeasured=MeasuredWheels(
                 values['extrapolate_positions'],
                 RateWindow(values['velocity_rolling_window_size'])))
-        self._wheels = WheelMessage(joints, self.source(), encoder)
+        self._wheels = WheelWriter(joints, self.source(), encoder)
         prefix = frame_prefix(values, self.get_namespace())
-        self._message = OdometryMessage(
+        self._message = OdometryCodec(
             prefix + values['odom_frame_id'], prefix + values['base_frame_id'])
         self._frames = self._message.frame_id, self._message.child_frame_id
         self._set_diagonals(values)

@@ -20,7 +20,7 @@ from typing import Any, Mapping
 from diffdrive_kinematics.core.odometry import SlipStream, timeout_from_seconds
 from diffdrive_kinematics.ros.inputs.wheel_watch import WheelWatch
 from diffdrive_kinematics.ros.messages.wheel_joints import wheel_joints
-from diffdrive_kinematics.ros.messages.wheel_messages import WheelMessage, WheelReader
+from diffdrive_kinematics.ros.messages.wheel_messages import WheelReader, WheelWriter
 from diffdrive_kinematics.ros.parameters.from_values import (
     check_sides, check_wiring, wheel_radii, wheel_slips)
 from diffdrive_kinematics.ros.parameters.tables import WHEEL_NOISE
@@ -58,7 +58,7 @@ class WheelNoise(DiffDriveNode[Config]):
         joints = wheel_joints(values)
         self._reader = WheelReader(joints, encoder_range=values['encoder_range'])
         self._wheel_watch = WheelWatch(self, self._reader, values['input_topic'])
-        self._wheels = WheelMessage(joints, self.source())
+        self._wheels = WheelWriter(joints, self.source())
         self._stream = self.config.stream
         self._seed = values['seed']
         self._generator = np.random.default_rng(self._seed)

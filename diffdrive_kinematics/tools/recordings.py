@@ -12,18 +12,31 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Recordings in CSV files, plain or gzipped."""
+"""Recordings in CSV files, plain or gzipped, each read once, so that a pipe will do."""
 
+from array import array
 from contextlib import contextmanager
 import csv
 import gzip
+from operator import itemgetter
 from pathlib import Path
-from typing import Iterator, List, Sequence, Tuple
+from typing import Callable, Iterator, List, Sequence, Tuple
 import zlib
 
-__all__ = ['COMMAND_COLUMNS', 'read_columns', 'read_header']
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ['COMMAND_COLUMNS', 'Header', 'nobody', 'read_chosen', 'read_columns']
 
 COMMAND_COLUMNS = ('time_sec', 'linear_x', 'angular_z')
+PROGRESS_ROWS = 4096
+
+Header = Tuple[str, ...]
+Array = NDArray[np.float64]
+
+
+def nobody(_: str) -> None:
+    """Be told how far it is, and do nothing."""
 
 
 def read_columns(path: str, columns: Sequence[str]) -> List[Tuple[float, ...]]:
@@ -33,41 +46,106 @@ def read_columns(path: str, columns: Sequence[str]) -> List[Tuple[float, ...]]:
     Raises
     ------
     ValueError
-        If the file cannot be read, a column is missing, or a field is not a number; the message
-        names the file, and the row (counted from 1 without the header).
+        As :func:`read_chosen`.
 
     """
-    with _reader(path) as reader:
-        missing = [name for name in columns if name not in (reader.fieldnames or ())]
+    def chosen(header: Header) -> Sequence[str]:
+        missing = [name for name in columns if name not in header]
         if missing:
             raise ValueError(
-                f'{path} has the columns {reader.fieldnames!r}, expected also {missing!r}')
-        return [_numbers(path, number, row, columns)
-                for number, row in enumerate(reader, start=1)]
+                f'{path} has the columns {list(header)!r}, expected also {missing!r}')
+        return columns
+
+    return [tuple(row) for row in read_chosen(path, chosen)[1].tolist()]
 
 
-def read_header(path: str) -> Tuple[str, ...]:
-    """Return the names of the columns of a CSV file; ``ValueError`` if it cannot be read."""
-    with _reader(path) as reader:
-        return tuple(reader.fieldnames or ())
+def read_chosen(
+        path: str, choose: Callable[[Header], Sequence[str]],
+        progress: Callable[[str], None] = nobody) -> Tuple[Header, Array]:
+    """
+    Return columns of a CSV file that are chosen from its header.
+
+    Parameters
+    ----------
+    path : str
+        The file; one that ends with ``.gz`` is gzipped.
+    choose : callable
+        Returns the names of the columns to read, two or more, or raises ``ValueError``.
+    progress : callable
+        Is told how far it is.
+
+    Returns
+    -------
+    header : tuple of str
+        The names of all columns.
+    rows : numpy.ndarray, shape (n, columns)
+        The numbers of the columns that were chosen.
+
+    Raises
+    ------
+    ValueError
+        If the file cannot be read, names a column twice, has a row of more fields than columns,
+        or a field that is not a number; the message names the file, the row (counted from 1,
+        without the header and empty lines) and the column.
+
+    """
+    with _lines(path) as lines:
+        header = tuple(name.strip() for name in next(lines, []))
+        _check_header(path, header)
+        columns = tuple(choose(header))
+        width, pick = len(header), itemgetter(*map(header.index, columns))
+        numbers, number = array('d'), 0
+        for row in lines:
+            if not row:
+                continue
+            number += 1
+            if len(row) > width and any(row[width:]):
+                raise ValueError(
+                    f'{path}, row {number} has {len(row)} fields for the {width} columns of the '
+                    'header, expected one for each, and numbers with a decimal point, as 0.50')
+            try:
+                numbers.extend(map(float, pick(row)))
+            except (IndexError, ValueError):
+                raise ValueError(_refusal(path, number, row, header, columns)) from None
+            if not number % PROGRESS_ROWS:
+                progress(f'{path}: {number} rows')
+    return header, np.frombuffer(numbers, dtype=np.float64).reshape(-1, len(columns))
+
+
+def _check_header(path: str, header: Header) -> None:
+    """Raise ``ValueError`` where columns could not be told apart by their names."""
+    if len(header) == 1 and any(mark in header[0] for mark in ';\t'):
+        raise ValueError(
+            f'{path} has the header {header[0]!r}, expected columns with commas between them, '
+            'and numbers with a decimal point')
+    twice = sorted({name for name in header if name and header.count(name) > 1})
+    if twice:
+        raise ValueError(
+            f'{path} names the columns {twice!r} twice in its header, expected each name once')
+
+
+def _refusal(
+        path: str, number: int, row: Sequence[str], header: Header, columns: Sequence[str]
+) -> str:
+    """Return what is wrong with a row."""
+    for name in columns:
+        at = header.index(name)
+        if at >= len(row):
+            return (f'{path}, row {number} has {len(row)} fields and none for the column '
+                    f'{name!r}, expected {len(header)}')
+        try:
+            float(row[at])
+        except ValueError:
+            return (f'{path}, row {number}: {name} is {row[at]!r}, expected a number with a '
+                    'decimal point, as 0.50')
+    return f'{path}, row {number}: {row!r}, expected numbers in {list(columns)!r}'
 
 
 @contextmanager
-def _reader(path: str) -> 'Iterator[csv.DictReader[str]]':
+def _lines(path: str) -> Iterator[Iterator[List[str]]]:
     open_text = gzip.open if Path(path).suffix == '.gz' else open
     try:
         with open_text(path, 'rt', encoding='utf-8-sig', newline='') as file:
-            yield csv.DictReader(file, skipinitialspace=True)
+            yield csv.reader(file, skipinitialspace=True)
     except (OSError, EOFError, UnicodeDecodeError, csv.Error, zlib.error) as error:
         raise ValueError(f'{path} cannot be read as CSV: {error}') from error
-
-
-def _numbers(
-        path: str, number: int, row: 'dict[str, str]', columns: Sequence[str]
-) -> Tuple[float, ...]:
-    try:
-        return tuple(float(row[name]) for name in columns)
-    except (TypeError, ValueError):
-        fields = [row[name] for name in columns]
-        raise ValueError(
-            f'{path}, row {number}: {fields!r}, expected numbers in {list(columns)!r}') from None

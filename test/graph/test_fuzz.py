@@ -27,7 +27,7 @@ from diffdrive_kinematics.nodes import (
 from diffdrive_kinematics.ros.parameters.parameter_spec import Kind
 from diffdrive_kinematics.ros.parameters.parameters import ConfigurationError, ParameterSet
 from diffdrive_kinematics.ros.parameters.tables import TABLES
-from diffdrive_kinematics.tools.calibration_sources import Collection
+from diffdrive_kinematics.tools.collection import Collection
 from geometry_msgs.msg import PoseStamped, PoseWithCovarianceStamped, Twist, TwistStamped, Vector3
 from hypothesis import given, HealthCheck, Phase, settings, strategies as st
 from nav_msgs.msg import Odometry

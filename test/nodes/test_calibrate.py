@@ -21,7 +21,7 @@ from builtin_interfaces.msg import Time
 from diffdrive_kinematics.core.kinematics import (
     advance, Pose, twist_from_wheel_rates, WheelGeometry)
 from diffdrive_kinematics.core.odometry import WheelSample
-from diffdrive_kinematics.tools.calibration_sources import Collection
+from diffdrive_kinematics.tools.collection import Collection
 from geometry_msgs.msg import Pose as PoseMsg
 from geometry_msgs.msg import PoseStamped
 from nav_msgs.msg import Odometry

@@ -30,7 +30,7 @@ EXECUTABLES = {'calibrate', 'command_sequence', 'diff_drive_controller', 'diffdr
                'forward_projection', 'goal_steering', 'plot_paths', 'robot_description',
                'simulated_base', 'wheel_noise', 'wheel_odometry'}
 ROSDEP_KEY = {'numpy': 'python3-numpy', 'yaml': 'python3-yaml'}
-OPTIONAL = {'matplotlib'}  # an extra of setup.py
+OPTIONAL = {'matplotlib', 'rosbag2_py', 'rosbags'}  # extras of setup.py, or of ROS
 
 
 @pytest.fixture
@@ -151,6 +151,11 @@ def test_matplotlib_is_imported_only_where_it_may_be_missing(declared):
     assert 'matplotlib' not in imported_by_the_package(lazy=False)
     assert 'matplotlib' not in declared['install_requires']
     assert declared['extras_require']['plot'] == ['matplotlib']
+
+
+def test_what_reads_bags_is_imported_only_where_it_may_be_missing(declared):
+    assert not {'rosbags', 'rosbag2_py'} & imported_by_the_package(lazy=False)
+    assert declared['extras_require']['bags'] == ['rosbags']
 
 
 @pytest.mark.parametrize('source, at_load, ever', [

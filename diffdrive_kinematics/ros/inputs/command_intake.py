@@ -21,7 +21,7 @@ from typing import Any, Callable, Dict, Mapping, Optional, Tuple
 from diffdrive_kinematics.core.commands import STILL, Twist
 from diffdrive_kinematics.core.kinematics import NANOSECONDS
 from diffdrive_kinematics.core.odometry import SenderClocks
-from diffdrive_kinematics.ros.messages.messages import command_in
+from diffdrive_kinematics.ros.messages.codec import CommandReader
 from rclpy.subscription import Subscription
 
 __all__ = ['Backlog', 'CommandIntake', 'LATE_NS']
@@ -58,7 +58,8 @@ class CommandIntake:
     """
 
     def __init__(self, node: Any, stamped: bool, topic: str, values: Mapping[str, Any]) -> None:
-        self._node, self._stamped, self._topic = node, stamped, topic
+        self._node, self._topic = node, topic
+        self._reader = CommandReader('' if stamped else None)
         self._obeyed_ns = BEFORE_ALL_NS
         self._clocks, self._on_own_clock = SenderClocks(0), True
         self.configure(values)
@@ -95,7 +96,7 @@ class CommandIntake:
             What the middleware knows of it; None: it has just been sent.
 
         """
-        own_ns, v, w = command_in(message, self._stamped)
+        own_ns, v, w = self._reader.decode(message)
         twist, stamp_ns, age_ns, hint = Twist(v, w), now_ns, 0, BY_STAMP
         if self._offset_ns is None:
             own_ns = 0

@@ -12,4 +12,9 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Messages of ROS from and to values of the core: as objects, as bytes, as URDF."""
+"""
+Messages of ROS from and to values of the core: as objects, as bytes, as URDF.
+
+``plain`` is the codec to read, with a class or function for each message; ``serialised`` says the
+same in bytes; ``codec`` decides which one the nodes use.
+"""

@@ -26,22 +26,15 @@ Bytes that only align mean nothing, and rclpy leaves in them what was in memory.
 
 import struct
 import sys
-from typing import Any, Optional, Sequence, Tuple
+from typing import Any, Sequence
 
 from diffdrive_kinematics.core.kinematics import NANOSECONDS
-from sensor_msgs.msg import JointState
 
-__all__ = [
-    'JointStateLayout', 'Layout', 'Template', 'joint_names', 'read_stamped_twist', 'read_twist',
-    'stamped_sequence']
+__all__ = ['HEADER', 'Layout', 'STAMP_AT', 'Template', 'stamped_sequence']
 
 HEADER = bytes((0, sys.byteorder == 'little', 0, 0))
 STAMP_AT = len(HEADER)
-AFTER_STAMP = 3  # values: those of the header of four bytes, of sec and of nanosec
-TWIST_DOUBLES = 6
 _pack_stamp = struct.Struct('=iI').pack_into
-_read_twist = struct.Struct('=d32xd').unpack_from  # linear.x and angular.z
-_read_stamp_and_length = struct.Struct('=iII').unpack_from
 
 
 class Layout:
@@ -111,74 +104,3 @@ def stamped_sequence(sec: int, nanosec: int, frame_id: str, count: int) -> bytes
     front = bytearray(struct.pack(layout.format, *layout.values))
     _pack_stamp(front, STAMP_AT, sec, nanosec)
     return bytes(front)
-
-
-def joint_names(frame_id: str, names: Sequence[str]) -> Layout:
-    """Return the layout of a JointState up to its positions."""
-    layout = Layout()
-    layout.header(frame_id)
-    layout.numbers('I', [len(names)])
-    for name in names:
-        layout.text(name)
-    return layout
-
-
-class JointStateLayout:
-    """
-    Reads JointState messages that differ only in their stamp and numbers from one of them.
-
-    ``names`` and ``frame_id`` are those of the message that it was made for.
-    """
-
-    def __init__(self, message: JointState) -> None:
-        self.frame_id, self.names = message.header.frame_id, tuple(message.name)
-        layout = joint_names(self.frame_id, self.names)
-        self._texts = slice(AFTER_STAMP, len(layout.values))
-        self._position, self._velocity, effort = (
-            self._sequence(layout, numbers)
-            for numbers in (message.position, message.velocity, message.effort))
-        self._known = tuple(layout.values)
-        self._counts = [each.start - 1 for each in (self._position, self._velocity, effort)]
-        self._unpack = struct.Struct(layout.format).unpack_from
-        self._size = layout.size
-
-    @staticmethod
-    def _sequence(layout: Layout, numbers: Sequence[float]) -> slice:
-        """Append a sequence of doubles; return which of the values they are."""
-        layout.sequence('d', numbers)
-        return slice(len(layout.values) - len(numbers), len(layout.values))
-
-    def read(self, data: bytes) -> Optional[Tuple[int, int, Tuple[float, ...], Tuple[float, ...]]]:
-        """
-        Return (sec, nanosec, position, velocity) of a serialised message.
-
-        None: it is of another layout.
-        """
-        if len(data) < self._size:
-            return None
-        fields, known = self._unpack(data), self._known
-        if fields[self._texts] != known[self._texts]:
-            return None
-        for index in self._counts:
-            if fields[index] != known[index]:
-                return None
-        return fields[1], fields[2], fields[self._position], fields[self._velocity]
-
-
-def read_twist(data: bytes) -> Optional[Tuple[float, float]]:
-    """Return (linear.x, angular.z) of a serialised Twist; None: it is in another form."""
-    if data[:STAMP_AT] != HEADER or len(data) < STAMP_AT + 8 * TWIST_DOUBLES:
-        return None
-    return _read_twist(data, STAMP_AT)
-
-
-def read_stamped_twist(data: bytes) -> Optional[Tuple[int, int, float, float]]:
-    """Return (sec, nanosec, linear.x, angular.z) of a TwistStamped; None: in another form."""
-    if data[:STAMP_AT] != HEADER or len(data) < STAMP_AT + 12:
-        return None
-    sec, nanosec, length = _read_stamp_and_length(data, STAMP_AT)
-    after = STAMP_AT + 12 + length
-    first = after + (STAMP_AT - after) % 8
-    if len(data) < first + 8 * TWIST_DOUBLES:
-        return None
-    return (sec, nanosec, *_read_twist(data, first))

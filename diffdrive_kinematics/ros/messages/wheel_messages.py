@@ -12,22 +12,22 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Wheel motion as JointState: read in any shape, written with the bytes overwritten in place."""
+"""Wheel motion as JointState: what joints say is read in any form, and written."""
 
-from typing import Callable, Dict, Optional, Sequence, Tuple, Union
+from typing import Callable, Optional, Sequence, Tuple, Union
 
+from diffdrive_kinematics.core.kinematics import NANOSECONDS
 from diffdrive_kinematics.core.odometry import Encoder, Spoken, WheelPair, WheelSample
-from diffdrive_kinematics.ros.messages.cdr import (
-    joint_names, JointStateLayout, Layout, NANOSECONDS, Template)
+from diffdrive_kinematics.ros.messages.codec import JointStateCodec, WheelCommandCodec
 from diffdrive_kinematics.ros.messages.messages import check_stamp
+from diffdrive_kinematics.ros.messages.plain import JointValues
 from diffdrive_kinematics.ros.messages.wheel_gathering import Gathered, Gathering
 from diffdrive_kinematics.ros.messages.wheel_joints import WheelJoints
-from rclpy.serialization import deserialize_message
 from sensor_msgs.msg import JointState
+from std_msgs.msg import Float64MultiArray
 
-__all__ = ['WheelCommandMessage', 'WheelMessage', 'WheelReader']
+__all__ = ['WheelCommandWriter', 'WheelReader', 'WheelWriter']
 
-MOST_LAYOUTS = 16
 NOBODY = -1
 
 
@@ -54,7 +54,7 @@ class WheelReader:
         self.partial: Sequence[str] = ()  # the names of the last message with only some of ours
         self._indices: Tuple[int, ...] = ()
         self._ours: Tuple[int, ...] = ()
-        self._layouts: Dict[int, JointStateLayout] = {}
+        self._codec = JointStateCodec()
         self._next, self._tag = NOBODY, ''  # whose message, if one comes, is the usual one
         self._last: Tuple[Sequence[float], Sequence[float], int] = (), (), 0
 
@@ -75,27 +75,10 @@ class WheelReader:
             If lengths do not match, values are not finite, or the stamp is none.
 
         """
-        if isinstance(message, bytes):
-            layout = self._layouts.get(len(message))
-            fields = layout.read(message) if layout else None
-            if layout and fields:
-                return self._sample(layout.names, layout.frame_id, *fields, now_ns, number)
-            message = self._deserialised(message)
-        stamp = message.header.stamp
-        return self._sample(
-            tuple(message.name), message.header.frame_id, stamp.sec, stamp.nanosec,
-            message.position, message.velocity, now_ns, number)
-
-    def _deserialised(self, data: bytes) -> JointState:
-        """Return the message, and remember its layout: the next one will have the same."""
-        message = deserialize_message(data, JointState)
-        if len(self._layouts) >= MOST_LAYOUTS:
-            self._layouts.clear()
-        self._layouts[len(data)] = JointStateLayout(message)
-        return message
+        return self._sample(*self._codec.decode(message), now_ns, number)
 
     def _sample(
-            self, names: Sequence[str], source: str, sec: int, nanosec: int,
+            self, source: str, names: Sequence[str], sec: int, nanosec: int,
             position: Sequence[float], velocity: Sequence[float],
             now_ns: Callable[[], int], number: int) -> Optional[WheelSample]:
         if names != self._names:
@@ -177,9 +160,9 @@ def _is_nan(left: float, right: float) -> bool:
     return left != left and right != right
 
 
-class WheelMessage:
+class WheelWriter:
     """
-    A serialised JointState for all wheels that is filled anew for each sample.
+    Writes wheel motion as JointState for all wheels.
 
     ``source`` tells this run of this publisher from any other, so that positions that begin to
     count anew are not taken for motion (see ``WheelReader``).  ``encoder`` reads the positions.
@@ -189,63 +172,30 @@ class WheelMessage:
             self, joints: WheelJoints, source: str = '', encoder: Encoder = Encoder()) -> None:
         self._joints, self._encoder, self._source = joints, encoder, source
         self._reads = bool(encoder.period or encoder.resolution)
-        self._templates: Dict[Tuple[bool, bool], _JointStateTemplate] = {}
+        self._names, self._codec = joints.all_names(), JointStateCodec()
 
     def encode(
             self, stamp_ns: int, rates: Optional[WheelPair], positions: Optional[WheelPair]
-    ) -> bytes:
+    ) -> Union[bytes, JointState]:
         """Return the message with a stamp, rates [rad/s] and positions [rad]; None: absent."""
-        kind = positions is not None, rates is not None
-        template = self._templates.get(kind)
-        if template is None:
-            template = _JointStateTemplate(self._source, self._joints.all_names(), *kind)
-            self._templates[kind] = template
-        template.stamp(stamp_ns)
+        joints, angles = self._joints, None
         if positions is not None:
-            angles = self._joints.signed(positions)
-            _fill(template.positions, self._joints.spread(
-                self._read(angles) if self._reads else angles))
-        if rates is not None:
-            _fill(template.velocities, self._joints.spread(self._joints.signed(rates)))
-        return template.message()
-
-    def _read(self, angles: WheelPair) -> WheelPair:
-        return self._encoder.reading(angles[0]), self._encoder.reading(angles[1])
+            angles = joints.signed(positions)
+            if self._reads:
+                angles = self._encoder.reading(angles[0]), self._encoder.reading(angles[1])
+        return self._codec.encode(JointValues(
+            self._source, self._names, stamp_ns // NANOSECONDS, stamp_ns % NANOSECONDS,
+            () if angles is None else joints.spread(angles),
+            () if rates is None else joints.spread(joints.signed(rates))))
 
 
-class _JointStateTemplate(Template):
-    """The bytes of a JointState without effort, and of those arrays that are present."""
-
-    def __init__(
-            self, source: str, names: Sequence[str], with_positions: bool,
-            with_rates: bool) -> None:
-        layout = joint_names(source, names)
-        at = [layout.sequence('d', [0.0] * len(names) if present else [])
-              for present in (with_positions, with_rates, False)]
-        super().__init__(layout)
-        self.positions = self.doubles(at[0], len(names) if with_positions else 0)
-        self.velocities = self.doubles(at[1], len(names) if with_rates else 0)
-
-
-def _fill(view: 'memoryview[float]', values: Sequence[float]) -> None:
-    for index, value in enumerate(values):
-        view[index] = value
-
-
-class WheelCommandMessage:
-    """A serialised Float64MultiArray of wheel rates, left wheels then right wheels."""
+class WheelCommandWriter:
+    """Writes wheel rates as Float64MultiArray, left wheels then right wheels."""
 
     def __init__(self, joints: WheelJoints) -> None:
         self._joints = joints
-        count = len(joints.all_names())
-        layout = Layout()
-        layout.sequence('I', [])  # dimensions
-        layout.numbers('I', [0])  # offset of the data
-        at = layout.sequence('d', [0.0] * count)
-        self._template = Template(layout)
-        self._rates = self._template.doubles(at, count)
+        self._codec = WheelCommandCodec(len(joints.all_names()))
 
-    def encode(self, rates: WheelPair) -> bytes:
+    def encode(self, rates: WheelPair) -> Union[bytes, Float64MultiArray]:
         """Return the message with rates [rad/s]."""
-        _fill(self._rates, self._joints.spread(self._joints.signed(rates)))
-        return self._template.message()
+        return self._codec.encode(self._joints.spread(self._joints.signed(rates)))

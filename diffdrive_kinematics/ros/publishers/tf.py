@@ -17,8 +17,7 @@
 from typing import Any, Mapping, Tuple, TYPE_CHECKING
 
 from diffdrive_kinematics.core.kinematics import Pose
-from diffdrive_kinematics.ros.messages.cdr import Layout, Template
-from diffdrive_kinematics.ros.messages.messages import quaternion_of
+from diffdrive_kinematics.ros.messages.codec import TransformCodec
 
 if TYPE_CHECKING:
     from diffdrive_kinematics.ros.runtime.node import DiffDriveNode
@@ -42,27 +41,6 @@ def frame_prefix(values: Mapping[str, Any], namespace: str) -> str:
     return f'{prefix}/' if prefix else ''
 
 
-class TransformMessage:
-    """A serialised TFMessage of one transform."""
-
-    def __init__(self, frame_id: str, child_frame_id: str) -> None:
-        self.frames = frame_id, child_frame_id
-        layout = Layout()
-        layout.numbers('I', [1])
-        self._stamp_at = layout.header(frame_id)
-        layout.text(child_frame_id)
-        at = layout.numbers('d', [0.0] * 7)
-        self._template = Template(layout)
-        self._numbers = self._template.doubles(at, 7)
-
-    def encode(self, stamp_ns: int, pose: Pose) -> bytes:
-        """Return the message with a stamp and the pose of the child frame."""
-        self._template.stamp(stamp_ns, self._stamp_at)
-        self._numbers[0], self._numbers[1] = pose.x, pose.y
-        self._numbers[5], self._numbers[6] = quaternion_of(pose.theta)
-        return self._template.message()
-
-
 class TransformPublisher:
     """
     Publishes transforms on ``/tf``.
@@ -80,7 +58,7 @@ class TransformPublisher:
                 'tf is off: the package tf2_msgs is missing (apt install ros-jazzy-tf2-msgs); '
                 f'set {switch} to false to do without')
             return
-        self._message = TransformMessage('', '')
+        self._message = TransformCodec('', '')
         self._publisher = node.publisher(TFMessage, '/tf')
 
     def __bool__(self) -> bool:
@@ -92,5 +70,5 @@ class TransformPublisher:
         if self._publisher is None:
             return
         if frames != self._message.frames:
-            self._message = TransformMessage(*frames)
+            self._message = TransformCodec(*frames)
         self._publisher.publish(self._message.encode(stamp_ns, pose))

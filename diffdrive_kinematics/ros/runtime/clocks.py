@@ -23,7 +23,7 @@ timers fire in the order in which they were made, so that a run gives the same n
 import time
 from typing import Callable, List, Optional, Tuple
 
-from diffdrive_kinematics.ros.messages.cdr import NANOSECONDS
+from diffdrive_kinematics.core.kinematics import NANOSECONDS
 from rclpy.clock import Clock, ROSClock
 from rclpy.clock_type import ClockType
 from rclpy.time import Time

@@ -21,8 +21,9 @@ at, compared with those of the look before, and published where anybody listens.
 from typing import Any, Dict, List, Mapping, NamedTuple, Optional
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+from diffdrive_kinematics.core.kinematics import NANOSECONDS
 from diffdrive_kinematics.core.odometry import Verdict
-from diffdrive_kinematics.ros.messages.messages import NANOSECONDS, set_stamp
+from diffdrive_kinematics.ros.messages.messages import set_stamp
 from rclpy.publisher import Publisher
 
 __all__ = [

@@ -208,11 +208,9 @@ class DiffDriveNode(Node, Generic[Config]):
             self._in_flight.count_sent(publisher, self.get_fully_qualified_name())
         return publisher
 
-    def sender(self, publisher: Publisher) -> Callable[[bytes], None]:
-        """Return what publishes serialised messages, and does not look at them again."""
-        if self._in_flight:
-            return lambda data: publisher.publish(data)
-        return publisher.handle.publish_raw
+    def sender(self, publisher: Publisher) -> Callable[[Any], None]:
+        """Return what publishes messages, serialised or not."""
+        return lambda message: publisher.publish(message)
 
     def create_subscription(
             self, msg_type: type, topic: str, callback: Callable[[Any], None], *arguments: Any,

@@ -19,7 +19,7 @@ import math
 import signal
 
 from diffdrive_kinematics.core.kinematics import advance, Pose
-from diffdrive_kinematics.core.odometry import composed
+from diffdrive_kinematics.core.kinematics import compose
 from nav_msgs.msg import Odometry
 import pytest
 from sensor_msgs.msg import JointState
@@ -128,7 +128,7 @@ def test_map_to_odom_to_base_is_the_truth_whatever_the_robot_believes(graph):
     graph.wait_for(lambda: len(chains()) > 20, 'chains of transforms')
     for outer, inner in chains():
         seconds = (stamp_ns(outer) - start) / 1e9
-        assert_same_pose(composed(pose_of(outer), pose_of(inner)),
+        assert_same_pose(compose(pose_of(outer), pose_of(inner)),
                          rolled(Pose(1.0, 2.0, 0.5), 3.1, 4.8, seconds))
         assert_same_pose(pose_of(inner), rolled(Pose(0.0, 0.0, 0.0), 3.0, 5.0, seconds))
     assert {frames_of(one) for one in found} == {('map', 'odom'), ('odom', 'base_link')}
@@ -156,7 +156,7 @@ def test_a_belief_is_matched_with_the_truth_at_its_stamp_also_when_the_truth_has
         transform = graph.wait_for(lambda: [
             one for one in found if stamp_ns(one) == stamp], 'the transform')[0]
         assert frames_of(transform) == ('map', 'odom')
-        assert_same_pose(composed(pose_of(transform), Pose(0.3, -0.2, 1.0)), expected)
+        assert_same_pose(compose(pose_of(transform), Pose(0.3, -0.2, 1.0)), expected)
 
 
 @needs_tf

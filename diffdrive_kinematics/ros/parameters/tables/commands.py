@@ -26,8 +26,8 @@ COMMAND_SEQUENCE = (
     string('base_frame_id', 'base_link', 'frame of stamped commands', check_frame),
     Spec('commands', [], 'v [m/s], omega [rad/s], duration [s] of each command, one after '
          'another in one flat list', Kind.DOUBLES, read_only=True),
-    string('recording', '', 'CSV file (or .csv.gz) time_sec,linear_x,angular_z to play instead '
-           'of commands'),
+    string('recording', '', 'CSV file (or .csv.gz) time_sec,linear_x,angular_z, or bag with '
+           'cmd_vel_topic, to play instead of commands'),
     *SQUARE,
     Spec('square_speed', 0.2, 'speed [m/s] along the sides', check=check_positive,
          read_only=True),

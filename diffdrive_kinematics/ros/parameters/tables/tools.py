@@ -68,22 +68,27 @@ CALIBRATE = (
     string('square_runs', '', 'CSV file clockwise,true_x,true_y,odom_x,odom_y with a row for '
            'each run around a square'),
     *SQUARE,
-    Spec('recordings', [], 'CSV files of motion: time_sec with linear_x,angular_z or '
-         'left_rate,right_rate or left_position,right_position or left_ticks,right_ticks',
+    Spec('recordings', [], 'bags (directories, .mcap, .db3), and CSV files of motion: time_sec '
+         'with linear_x,angular_z or left_rate,right_rate or left_position,right_position or '
+         'left_ticks,right_ticks',
          Kind.STRINGS, read_only=True),
-    Spec('references', [], 'CSV files time_sec,x,y,yaw, one for each of recordings; none: the '
-         'recordings have these columns', Kind.STRINGS, read_only=True),
+    Spec('references', [], 'bags, or CSV files time_sec,x,y,yaw, one for each of recordings; '
+         'none: the recordings have the reference too', Kind.STRINGS, read_only=True),
     Spec('encoder_resolution', 0.0, 'ticks of one turn of a wheel, for files with ticks',
          check=check_non_negative, read_only=True),
     Spec('tick_increments', False, 'ticks are those since the row before, not all so far',
          Kind.BOOL, read_only=True),
-    topic('motion_topic', 'joint_states', 'wheel motion in, without files'),
+    topic('motion_topic', 'joint_states', 'wheel motion in, without files; in bags JointState, '
+          'Odometry (its twist), or commands as Twist or TwistStamped'),
     ENCODER_RANGE,
     Spec('position_feedback', True, 'false: ignore positions in wheel motion', Kind.BOOL,
          read_only=True),
-    topic('reference_topic', 'ground_truth', 'reference poses in, without files'),
+    topic('reference_topic', 'ground_truth', 'reference poses in, without files; in bags '
+          'Odometry, PoseStamped, PoseWithCovarianceStamped, or /tf'),
+    Spec('reference_frames', [], 'parent and child frame of the reference, where reference_topic '
+         'is /tf', Kind.STRINGS, read_only=True),
     string('reference_type', 'odometry', 'of the reference topic: odometry (Odometry) or pose '
-           '(PoseStamped)', check_one_of('odometry', 'pose')),
+           '(PoseStamped); bags know theirs', check_one_of('odometry', 'pose')),
     string('clock', '', 'what is fitted of the time between wheels and reference: none, delay '
            '(one for all), offsets or drifts (of each drive); empty: delay for commands, '
            'offsets for other files, none for topics',

@@ -1,0 +1,40 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""
+Which codec the nodes use for which message: decided here, and nowhere else.
+
+Either codec of a message does; they have the same names, and the same tests.  The plain one is
+used where nothing is gained by the other: for commands, of which some tens a second are sent.
+Bytes are used where a node would spend more on message objects than on its work: in what base,
+noise and controller hear and say at every tick, and in messages of many poses.
+"""
+
+from typing import Type
+
+from diffdrive_kinematics.ros.messages import plain, serialised, serialised_poses
+
+__all__ = [
+    'CommandReader', 'JointStateCodec', 'OdometryCodec', 'PathCodec', 'TransformCodec',
+    'TwistCodec', 'WheelCommandCodec', 'encode_polygon', 'encode_poses']
+
+TwistCodec: Type[plain.TwistCodec] = plain.TwistCodec
+WheelCommandCodec: Type[plain.WheelCommandCodec] = plain.WheelCommandCodec
+
+CommandReader: Type[plain.TwistCodec] = serialised.TwistCodec
+JointStateCodec: Type[plain.JointStateCodec] = serialised.JointStateCodec
+OdometryCodec: Type[plain.OdometryCodec] = serialised.OdometryCodec
+TransformCodec: Type[plain.TransformCodec] = serialised.TransformCodec
+PathCodec = serialised_poses.PathCodec
+encode_poses, encode_polygon = serialised_poses.encode_poses, serialised_poses.encode_polygon
