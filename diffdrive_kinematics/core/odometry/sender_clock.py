@@ -60,7 +60,7 @@ class SenderClock(NamedTuple):
     --------
     A clock that is 3 s ahead, less the millisecond that the message took:
 
-    >>> clock = SenderClock(tolerance_of(None)).observed(8_000_000_000, 5_001_000_000)
+    >>> clock = SenderClock(tolerance_ns=250_000_000).observed(8_000_000_000, 5_001_000_000)
     >>> clock.apart, clock.offset_ns, clock.differs
     (True, -2999000000, False)
     >>> clock.own_ns(9_000_000_000), clock.theirs_ns(6_001_000_000)
@@ -222,7 +222,7 @@ class SenderClock(NamedTuple):
 
         Examples
         --------
-        >>> SenderClock(tolerance_of(None)).begun(8_000_000_000, 5_000_000_000).offset_ns
+        >>> SenderClock(tolerance_ns=250_000_000).begun(8_000_000_000, 5_000_000_000).offset_ns
         -3000000000
 
         """
@@ -273,7 +273,7 @@ class SenderClock(NamedTuple):
 
         Examples
         --------
-        >>> clock = SenderClock(tolerance_of(None)).observed(8_000_000_000, 5_000_000_000)
+        >>> clock = SenderClock(tolerance_ns=250_000_000).observed(8_000_000_000, 5_000_000_000)
         >>> clock.clock_stepped(1_000_000_000).offset_ns
         -2000000000
 
