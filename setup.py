@@ -45,7 +45,7 @@ setup(
     license='Apache-2.0',
     keywords=['ROS', 'differential drive', 'odometry', 'simulation'],
     packages=find_packages(exclude=['test', 'test.*']),
-    package_data={PACKAGE_NAME: ['py.typed']},
+    package_data={PACKAGE_NAME: ['py.typed', 'tools/web_page.css', 'tools/web_page.js']},
     data_files=[
         ('share/ament_index/resource_index/packages', ['resource/' + PACKAGE_NAME]),
         ('share/' + PACKAGE_NAME, ['package.xml']),
@@ -57,6 +57,8 @@ setup(
     extras_require={
         'ros': ['ros-jazzy-rclpy[fastrtps]', 'ros-jazzy-common-interfaces'],
         'plot': ['matplotlib'],
+        'web': ['nicegui'],
+        'browser': ['nicegui', 'playwright'],
         'bags': ['rosbags'],
         'docs': ['myst-parser', 'numpydoc', 'sphinx'],
         'test': [
@@ -65,6 +67,7 @@ setup(
             'mcap',
             'mpmath',
             'mypy',
+            'nicegui',
             'numpydoc',
             'pytest',
             'pytest-timeout',
@@ -91,6 +94,7 @@ setup(
             'plot_paths = diffdrive_kinematics.executables:plot_paths',
             'robot_description = diffdrive_kinematics.executables:robot_description',
             'simulated_base = diffdrive_kinematics.executables:simulated_base',
+            'web_view = diffdrive_kinematics.executables:web_view',
             'wheel_noise = diffdrive_kinematics.executables:wheel_noise',
             'wheel_odometry = diffdrive_kinematics.executables:wheel_odometry',
         ],

@@ -16,6 +16,7 @@
 
 import ast
 from pathlib import Path
+import re
 
 import pytest
 
@@ -36,6 +37,13 @@ ROOMS['ros.runtime'] = {*CORE, 'ros.messages', 'ros.parameters'}
 ROOMS['ros.inputs'] = ROOMS['ros.publishers'] = {*ROOMS['ros.runtime'], 'ros.runtime'}
 ROOMS['tools'] = {*CORE, 'ros.messages'}
 ROOMS['nodes'] = {*ROOMS} - {'core', 'ros'}
+PRIVATE_RCLPY = ROOT / 'ros' / 'runtime' / 'rclpy_private.py'  # which may name all of these:
+PRIVATE_MODULES = 'rclpy.impl', 'rclpy.experimental', 'rclpy._rclpy_pybind11'
+PRIVATE_NAMES = {
+    'handle', 'take_message', 'publish_raw', 'rclpy_implementation', 'EventsExecutor',
+    'get_ros_time_override_is_enabled', 'source_timestamp', 'received_timestamp',
+    'publication_sequence_number', 'reception_sequence_number', '__signature__'}
+PUBLIC_IN_SPITE = {'_replace', '_asdict', '_fields', '_exit'}  # of NamedTuple and os
 COMPOSER = f'{PACKAGE}.nodes.diffdrive_sim'
 BASE_CLASSES = {f'{PACKAGE}.nodes.wheel_odometry': {f'{PACKAGE}.nodes.simulated_base'}}
 
@@ -88,6 +96,20 @@ def inside(path):
     return {name for name in imports_in(path) if name.startswith(f'{PACKAGE}.')}
 
 
+def private_rclpy_in(source):
+    """Return what a source names that is private in rclpy, or not of all its versions."""
+    found = {name for name in imports_of(source, '') if name.startswith(PRIVATE_MODULES)}
+    for node in ast.walk(ast.parse(source)):
+        if isinstance(node, ast.Attribute):
+            others = not (isinstance(node.value, ast.Name) and node.value.id in ('self', 'cls'))
+            if node.attr in PRIVATE_NAMES or (
+                    others and re.match('_[a-z]', node.attr) and node.attr not in PUBLIC_IN_SPITE):
+                found.add(node.attr)
+        elif isinstance(node, ast.Constant) and node.value in PRIVATE_NAMES:
+            found.add(node.value)
+    return found
+
+
 def cycle_in(graph):
     """Return the modules that are in a cycle, or lead to one."""
     left = dict(graph)
@@ -113,6 +135,34 @@ def test_the_reader_of_imports_sees_every_form_at_every_depth():
 def test_the_finder_of_cycles_finds_one():
     assert cycle_in({'a': {'b'}, 'b': {'c'}, 'c': {'a'}, 'd': set()}) == {'a', 'b', 'c'}
     assert cycle_in({'a': {'b', 'c'}, 'b': {'c'}, 'c': set()}) == set()
+
+
+@pytest.mark.parametrize('source, names', [
+    ('from rclpy.impl.implementation_singleton import rclpy_implementation', {
+        'rclpy.impl.implementation_singleton',
+        'rclpy.impl.implementation_singleton.rclpy_implementation'}),
+    ('def late():\n    from rclpy.experimental import EventsExecutor', {
+        'rclpy.experimental', 'rclpy.experimental.EventsExecutor'}),
+    ('import rclpy._rclpy_pybind11', {'rclpy._rclpy_pybind11'}),
+    ('rclpy.experimental.EventsExecutor()', {'EventsExecutor'}),
+    ('rclpy_implementation.RCLError', set()),  # its import is what is found
+    ('node._parameter_overrides', {'_parameter_overrides'}),
+    ('self._node._parameter_overrides', {'_parameter_overrides'}),
+    ('publisher.handle.publish_raw(data)', {'handle', 'publish_raw'}),
+    ('self._subscription.handle.take_message', {'handle', 'take_message'}),
+    ("told['source_timestamp'], told.get('received_timestamp')", {
+        'source_timestamp', 'received_timestamp'}),
+    ('hear.__signature__ = None', {'__signature__'}),
+    ('self._timer, cls._made, value.public, int.__add__', set())])
+def test_the_finder_of_private_rclpy_finds_each_kind(source, names):
+    assert private_rclpy_in(source) == names
+
+
+@pytest.mark.parametrize('path', [
+    path for path in FILES if room_of(module_of(path)).startswith(('ros', 'nodes'))], ids=name_of)
+def test_one_file_knows_what_is_private_in_rclpy(path):
+    found = private_rclpy_in(path.read_text())
+    assert bool(found) == (path == PRIVATE_RCLPY), f'{name_of(path)} names {found}'
 
 
 def test_every_file_is_in_a_room_and_every_room_has_files():

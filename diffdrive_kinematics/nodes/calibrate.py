@@ -29,6 +29,7 @@ from diffdrive_kinematics.ros.runtime.clocks import SteadyTimers
 from diffdrive_kinematics.ros.runtime.final_command import HEARTBEAT_S
 from diffdrive_kinematics.ros.runtime.node import DiffDriveNode
 from diffdrive_kinematics.ros.runtime.output import exit_status, report
+from diffdrive_kinematics.ros.runtime.rclpy_private import MessageInfo
 from diffdrive_kinematics.ros.runtime.running import run, spin_node, Stop
 from diffdrive_kinematics.tools.calibration import Calibration, of_drives, of_squares, table
 from diffdrive_kinematics.tools.calibration_file import params_text
@@ -90,20 +91,20 @@ class Calibrate(DiffDriveNode[Config]):
             wheel_joints(values), positions=values['position_feedback'],
             encoder_range=values['encoder_range'])
         WheelWatch(self, self._reader, values['motion_topic'])
-        self.subscribe(
-            JointState, values['motion_topic'], self._on_wheels, raw=True, numbered=True)
+        self.runtime.listen(
+            JointState, values['motion_topic'], self._on_wheels, raw=True, informed=True)
         odometry = values['reference_type'] == 'odometry'
-        self.subscribe(
+        self.runtime.listen(
             Odometry if odometry else PoseStamped, values['reference_topic'],
             self._on_odometry if odometry else self._on_pose, best_effort=True)
-        self.create_service(Trigger, '~/finish', self._on_finish)
-        self.every(PROGRESS_RATE, self._report)
+        self.runtime.serve(Trigger, '~/finish', self._on_finish)
+        self.runtime.every(PROGRESS_RATE, self._report)
         self.get_logger().info(
             f"collecting '{values['motion_topic']}' and '{values['reference_topic']}' until "
             f'{self.get_fully_qualified_name()}/finish is called')
 
-    def _on_wheels(self, message: bytes, number: int) -> None:
-        sample = self._reader.read(message, self.now_ns, number)
+    def _on_wheels(self, message: bytes, info: MessageInfo) -> None:
+        sample = self._reader.read(message, self.runtime.now_ns, info.number)
         if sample is not None:
             self.collection.add_wheels(sample)
 

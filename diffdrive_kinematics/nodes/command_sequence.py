@@ -91,13 +91,13 @@ class CommandSequence(DiffDriveNode[Config]):
         stamped = values['enable_stamped_cmd_vel']
         self._message = TwistCodec(values['base_frame_id'] if stamped else None)
         self._loop = values['loop']
-        self._publisher = self.publisher(
+        self._publisher = self.runtime.publish(
             TwistStamped if stamped else Twist, values['cmd_vel_topic'])
         self._unanswered: Set[str] = {
             self.resolve_topic_name(topic) for topic in values['wait_for_topics']}
         self._answers: Dict[str, Subscription] = {}
         self._unknown: Set[str] = set()
-        self._timer = self.every(values['publish_rate'], self._tick)
+        self._timer = self.runtime.every(values['publish_rate'], self._tick)
         if self._course.duplicates:
             self.get_logger().warning(
                 f'{self._course.duplicates} rows of the recording have the time of the row after '
@@ -114,10 +114,10 @@ class CommandSequence(DiffDriveNode[Config]):
 
     def elapsed_s(self) -> float:
         """Return the time [s] since the course began, 0 before."""
-        return (self.now_ns() - self._start_ns) / 1e9 if self.begun() else 0.0
+        return (self.runtime.now_ns() - self._start_ns) / 1e9 if self.begun() else 0.0
 
     def _tick(self) -> None:
-        now_ns, step_ns = self.now_and_step()
+        now_ns, step_ns = self.time.now_and_step()
         if self.done:
             return
         if self.begun():
@@ -128,7 +128,7 @@ class CommandSequence(DiffDriveNode[Config]):
                 return
             self._start_ns = now_ns
             self.get_logger().info(
-                f'playing {self.length_s:.3f} s of commands from {now_ns} ns on')
+                f'playing {self.length_s:.3f} s of commands from {now_ns / 1e9:.3f} s on')
         self._play(now_ns)
 
     def _play(self, now_ns: int) -> None:
@@ -171,7 +171,7 @@ class CommandSequence(DiffDriveNode[Config]):
         self.ready()
         if not self._unanswered and self._publisher.get_subscription_count() > 0:
             for subscription in self._answers.values():
-                self.unsubscribe(subscription)
+                self.runtime.unlisten(subscription)
             return True
         self.get_logger().info(
             self._waiting(), throttle_duration_sec=WAITING_REPORT_PERIOD_S, skip_first=True)
@@ -201,16 +201,16 @@ class CommandSequence(DiffDriveNode[Config]):
             self.get_logger().error(
                 f"cannot wait for '{topic}': its type {type_name} is not installed here")
             return
-        self._answers[topic] = self.subscribe(
+        self._answers[topic] = self.runtime.listen(
             message_type, topic, lambda _: self._unanswered.discard(topic), raw=True)
 
     def _send(self, stamp_ns: int, v: float, w: float) -> None:
-        self.sent += 1
+        self.health.sent += 1
         self._publisher.publish(self._message.encode(stamp_ns, v, w))
 
     def final_command(self) -> Sequence[Publisher]:
         """Leave the robot with the command to stand still."""
-        self._send(self.now_ns(), 0.0, 0.0)
+        self._send(self.runtime.now_ns(), 0.0, 0.0)
         return [self._publisher]
 
 

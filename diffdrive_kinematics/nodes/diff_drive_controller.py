@@ -16,29 +16,25 @@
 
 from dataclasses import dataclass
 import time
-from typing import Any, List, Mapping, Optional, Sequence
+from typing import Any, Mapping, Sequence
 
-from diffdrive_kinematics.core.commands import Drive, DriveSettings, STILL, Twist, WheelCommand
+from diffdrive_kinematics.core.commands import Drive, DriveSettings, STILL, Twist
 from diffdrive_kinematics.ros.inputs.command_intake import Backlog, CommandIntake, LATE_NS
+from diffdrive_kinematics.ros.inputs.command_type import CommandType
 from diffdrive_kinematics.ros.inputs.emergency_stop import EmergencyStop
 from diffdrive_kinematics.ros.inputs.publisher_watch import PublisherWatch
-from diffdrive_kinematics.ros.messages.codec import TwistCodec
-from diffdrive_kinematics.ros.messages.wheel_joints import wheel_joints
-from diffdrive_kinematics.ros.messages.wheel_messages import WheelCommandWriter, WheelWriter
 from diffdrive_kinematics.ros.parameters.from_values import (
     axis_limits, check_sides, check_wiring, wheel_geometry)
 from diffdrive_kinematics.ros.parameters.tables import DIFF_DRIVE_CONTROLLER
+from diffdrive_kinematics.ros.publishers.wheel_commands import WheelCommandPublisher
 from diffdrive_kinematics.ros.runtime.diagnostics import (
     heard_values, OK, quiet, RateSample, slowness, Status, unheard)
 from diffdrive_kinematics.ros.runtime.node import DiffDriveNode
+from diffdrive_kinematics.ros.runtime.rclpy_private import MessageInfo, UNKNOWN
 from diffdrive_kinematics.ros.runtime.running import main_of
-from geometry_msgs.msg import Twist as TwistMsg, TwistStamped
 from rclpy.publisher import Publisher
-from sensor_msgs.msg import JointState
-from std_msgs.msg import Float64MultiArray
 
 REST = (0.0, 0.0)
-TYPE_CHECK_PERIOD_NS = 2_000_000_000
 MOST_WATCHDOG_CALLS = 1000.0  # [Hz]
 
 
@@ -67,97 +63,61 @@ class DiffDriveController(DiffDriveNode[Config]):
 
     def __init__(self, name: str = 'diff_drive_controller', **composition: Any) -> None:
         super().__init__(name, DIFF_DRIVE_CONTROLLER, build, **composition)
-        values = self.config.values
-        joints = wheel_joints(values)
-        self._wheels = WheelWriter(joints, self.source())
-        self._wheel_commands = WheelCommandWriter(joints)
-        self._twist = TwistCodec(values['base_frame_id'])
-        self._drive = Drive(self.config.drive, self.now_ns())
-        self._told_ns = -1
+        values, runtime = self.config.values, self.runtime
+        self._drive = Drive(self.config.drive, runtime.now_ns())
         self._sent_by_tick = 0
         self._command_steady_ns = 0
-        self._heard_command = False
-        self._next_type_check_ns = self.now_ns() + TYPE_CHECK_PERIOD_NS
-        if 0.0 < values['cmd_vel_timeout'] < values['stamp_tolerance']:
-            self.get_logger().warning(
-                f"stamp_tolerance is {values['stamp_tolerance']!r} and cmd_vel_timeout "
-                f"{values['cmd_vel_timeout']!r}: a command that is older than the timeout when it "
-                'comes is over at once')
-        self._wheels_publisher = self.publisher(JointState, values['wheel_rates_topic'])
-        self._send_wheels = self.sender(self._wheels_publisher)
-        topic = values['wheel_commands_topic']
-        self._commands_publisher = self.publisher(Float64MultiArray, topic) if topic else None
-        limited = values['publish_limited_velocity']
-        self._twist_publisher = self.publisher(
-            TwistStamped, values['cmd_vel_out_topic']) if limited else None
-        self._stamped = values['enable_stamped_cmd_vel']
-        topic = values['cmd_vel_topic']
-        self._intake = CommandIntake(self, self._stamped, self.command_topic(), values)
-        real = self._stepped is None  # else all that was sent has come before the time goes on
-        subscription = self.subscribe(
-            TwistStamped if self._stamped else TwistMsg, topic, self._on_command, raw=True,
-            informed=real)
+        self._out = WheelCommandPublisher(self, values)
+        self.commands = CommandType(self, values)
+        self._intake = CommandIntake(self, self.commands.stamped, self.commands.topic, values)
+        subscription = runtime.listen(
+            self.commands.message_type, values['cmd_vel_topic'], self._on_command, raw=True,
+            informed=True)
         self._command_watch = PublisherWatch(
-            self, topic, subscription,
+            self, values['cmd_vel_topic'], subscription,
             'the robot obeys whoever spoke last; put twist_mux between them')
-        self._backlog = Backlog(subscription) if real else None
+        # on stepped time all that was sent has come before the time goes on
+        self._backlog = None if runtime.is_stepped else Backlog(subscription)
         self._stop = EmergencyStop(
             self, values['emergency_stop_topic'], self._on_stop, self._on_release)
-        self._timer = self.every(values['publish_rate'], self._tick)
+        self._timer = runtime.every(values['publish_rate'], self._tick)
         self._watchdog: Any = None
         self._set_watchdog(self.config.drive.cmd_vel_timeout)
         self.parameters.on_change(self._configure)
 
-    def command_type(self) -> str:
-        """Return the type of the commands that the controller listens to."""
-        return f"geometry_msgs/msg/{'TwistStamped' if self._stamped else 'Twist'}"
-
-    def command_topic(self) -> str:
-        """Return the resolved name of the topic that the controller listens to."""
-        return self.resolve_topic_name(self.config.values['cmd_vel_topic'])
-
-    def _on_command(self, message: bytes, sent: Optional[Mapping[str, Any]] = None) -> None:
+    def _on_command(self, message: bytes, info: MessageInfo = UNKNOWN) -> None:
         now_ns = self._synchronised_now()
-        self._heard_command = True
+        self.health.statistics.note(now_ns, now_ns)
         if self._stop.engaged:
             self._stop.ignore()
             return
-        alive = self._intake.alive(message, now_ns, sent)
+        alive = self._intake.alive(message, now_ns, info.sent_ns)
         if alive is None:
             return
-        twist, stamp_ns, age_ns, own_ns = alive
-        if not now_ns and self.waits_for_clock():
+        twist, stamp_ns, age_ns = alive
+        if not now_ns and self.time.waits_for_clock():
             if twist == STILL:
                 self._halt()
             return
-        self.statistics.note(now_ns, own_ns or now_ns)
         if self._watchdog:
             self._watchdog.reset()
         if self._is_over(now_ns - LATE_NS):
-            self._go_on(now_ns)
+            self._drive = self._drive.resumed(now_ns)  # nobody was told that it ended
         try:
             self._command(twist, stamp_ns)
         except ValueError:
             self._command(STILL, now_ns)
             raise
         if age_ns > LATE_NS:
-            self._end_early(now_ns, age_ns)
-        if self._clock_watch:
+            timeout_ns = round(self.config.drive.cmd_vel_timeout * 1e9)  # since it was sent
+            self._drive = self._drive.ended_by(now_ns - age_ns + timeout_ns)
+        if self.time.is_simulated:
             self._command_steady_ns = time.monotonic_ns()
             self._obey_without_clock()
 
     def _command(self, twist: Twist, stamp_ns: int) -> None:
         self._drive, changes = self._drive.commanded(twist, stamp_ns)
-        self._publish(changes)
-
-    def _go_on(self, now_ns: int) -> None:
-        """Take the time since the last command ended, of which nobody was told, for none."""
-        self._drive = self._drive.resumed(now_ns)
-
-    def _end_early(self, now_ns: int, age_ns: int) -> None:
-        """Let a command that was long on its way end a timeout after it was sent."""
-        timeout_ns = round(self.config.drive.cmd_vel_timeout * 1e9)
-        self._drive = self._drive.ended_by(now_ns - age_ns + timeout_ns)
+        self._out.publish(changes)
 
     def _tick(self) -> None:
         now_ns = self._synchronised_now()
@@ -167,15 +127,14 @@ class DiffDriveController(DiffDriveNode[Config]):
         drive, changes = self._drive.advanced(now_ns)
         self._drive = drive
         told = drive.command_at(now_ns)
-        passed_ns = told.stamp_ns - (changes[-1].stamp_ns if changes else self._told_ns)
+        passed_ns = told.stamp_ns - (changes[-1].stamp_ns if changes else self._out.last_ns)
         if passed_ns and (passed_ns >= drive.settings.period_ns
-                          or not changes and self.sent == self._sent_by_tick):
+                          or not changes and self.health.sent == self._sent_by_tick):
             changes.append(told)  # else it was said since the last tick
-        self._publish(changes)
-        self._sent_by_tick = self.sent
-        if not self._heard_command and now_ns >= self._next_type_check_ns:
-            self._next_type_check_ns = now_ns + TYPE_CHECK_PERIOD_NS
-            self._report_other_type()
+        self._out.publish(changes)
+        self._sent_by_tick = self.health.sent
+        if not self.health.statistics.count:
+            self.commands.look_for_others(now_ns)
 
     def _is_over(self, time_ns: int) -> bool:
         """Return whether the last command had ended at a time and could not be ended in time."""
@@ -188,13 +147,13 @@ class DiffDriveController(DiffDriveNode[Config]):
             end_ns = self._drive.deadline_ns
             self._backlog.hand_on(
                 lambda: self._drive.deadline_ns != end_ns,
-                wait=self._is_over(self.now_ns() - LATE_NS))
+                wait=self._is_over(self.runtime.now_ns() - LATE_NS))
 
     def _set_watchdog(self, timeout: float) -> None:
         if self._watchdog:
-            self.stop_timer(self._watchdog)
+            self.runtime.stop_timer(self._watchdog)
         rate = min(1.0 / timeout, MOST_WATCHDOG_CALLS) if timeout else 0.0
-        self._watchdog = self.every(rate, self._on_silence) if rate else None
+        self._watchdog = self.runtime.every(rate, self._on_silence) if rate else None
         if self._watchdog:
             self._watchdog.reset()  # timers of one rate are in step, and fire earlier at first
 
@@ -206,7 +165,7 @@ class DiffDriveController(DiffDriveNode[Config]):
             return
         now_ns = self._synchronised_now()
         self._drive, changes = self._drive.ended_by(now_ns).advanced(now_ns)
-        self._publish(changes)
+        self._out.publish(changes)
 
     def on_clock_look(self, stood_s: float) -> None:
         """Bring the wheels to rest where a clock that stands does not."""
@@ -216,8 +175,9 @@ class DiffDriveController(DiffDriveNode[Config]):
         if 0.0 < timeout < min(stood_s, silent_s) and drive.target != STILL:
             self._drive = drive._replace(timeouts=drive.timeouts + 1)
             self._halt()
-        elif drive.rates == REST and self._told_ns >= 0 and self.clock_stands():
-            self._publish([drive.command_at(self._synchronised_now())])  # ticks do not repeat it
+        elif drive.rates == REST and self._out.last_ns >= 0 and self.time.clock_stands():
+            # ticks do not repeat it
+            self._out.publish([drive.command_at(self._synchronised_now())])
         else:
             self._obey_without_clock()
 
@@ -227,12 +187,12 @@ class DiffDriveController(DiffDriveNode[Config]):
 
         Ramps cannot go on then: what asks for more is held back, what asks for less is not met.
         """
-        if _exceeds(self._drive.twist, self._drive.target) and self.clock_stands():
+        if self._drive.twist.exceeds(self._drive.target) and self.time.clock_stands():
             self._halt()
 
     def _on_stop(self) -> None:
         self._halt()
-        self._intake.none_before(self.now_ns())
+        self._intake.none_before(self.runtime.now_ns())
 
     def _on_release(self) -> None:
         """Have what was commanded up to now behind, whenever it comes."""
@@ -243,77 +203,45 @@ class DiffDriveController(DiffDriveNode[Config]):
         """Bring the wheels to rest at once, whatever the limits and the clock."""
         now_ns = self._synchronised_now()
         if now_ns or self._drive.rates != REST:
-            self._drive = self._drive.halted(max(now_ns, self._told_ns + 1))
-        self._publish([self._drive.command_at(now_ns)])
-
-    def _publish(self, commands: List[WheelCommand]) -> None:
-        """Publish; the first message has no positions and is the baseline for the others'."""
-        for command in commands:
-            first = self._told_ns < 0
-            self.sent += 1
-            self._told_ns = command.stamp_ns
-            self._send_wheels(self._wheels.encode(
-                command.stamp_ns, command.rates, None if first else command.angles))
-            if self._commands_publisher:
-                self._commands_publisher.publish(self._wheel_commands.encode(command.rates))
-            if self._twist_publisher:
-                self._twist_publisher.publish(
-                    self._twist.encode(command.stamp_ns, *command.twist))
+            self._drive = self._drive.halted(max(now_ns, self._out.last_ns + 1))
+        self._out.publish([self._drive.command_at(now_ns)])
 
     def _synchronised_now(self) -> int:
         """Return the time, with the drive moved along where the clock itself was stepped."""
-        now_ns, step_ns = self.now_and_step()
+        now_ns, step_ns = self.time.now_and_step()
         if step_ns:
             self._drive = self._drive.clock_stepped(step_ns)
-            if self._told_ns >= 0:
-                self._told_ns = max(0, self._told_ns + step_ns)
-            self._intake.clock_stepped(step_ns, wall=self._clock_watch is None)
+            self._out.clock_stepped(step_ns)
+            self._intake.clock_stepped(step_ns, wall=not self.time.is_simulated)
         return now_ns
 
     def _configure(self, config: Config) -> None:
         timeout = self._drive.settings.cmd_vel_timeout
         self._intake.configure(config.values)
         self._drive, changes = self._drive.configured(config.drive, self._synchronised_now())
-        self._publish(changes)
-        self._timer = self.retimed(self._timer, config.drive.publish_rate, self._tick)
+        self._out.publish(changes)
+        self._timer = self.runtime.retimed(self._timer, config.drive.publish_rate, self._tick)
         if timeout != config.drive.cmd_vel_timeout:  # else what is silent goes on to be
             self._set_watchdog(config.drive.cmd_vel_timeout)
 
-    def _report_other_type(self) -> None:
-        """Say so where commands are published in the type that is not listened to."""
-        others = {
-            info.topic_type for info in self.get_publishers_info_by_topic(self.command_topic())
-        } - {self.command_type()}
-        if others:
-            self.get_logger().warning(
-                f"'{self.command_topic()}' carries {', '.join(sorted(others))}, expected "
-                f'{self.command_type()}: is enable_stamped_cmd_vel (now '
-                f'{str(self._stamped).lower()}) set as it should be?')
-
     def status(self, look: RateSample) -> Status:
         """Return how commands come in and rates go out."""
-        values, drive, topic = self.config.values, self._drive, self.command_topic()
+        values, drive, topic = self.config.values, self._drive, self.commands.topic
         return Status({
-            **heard_values(self.statistics, look.now_ns, 'command'),
+            **heard_values(self.health.statistics, look.now_ns, 'command'),
             'achieved publish rate [Hz]': look.rate, 'saturated': drive.saturated,
             'limited': drive.limited, 'timeouts': drive.timeouts, **self._intake.values(),
             **self._stop.values(), 'publishers of commands': self._command_watch.count}, [
                 *self._stop.problems(), *self._command_watch.problems(),
-                *unheard(self.statistics, topic, OK),
-                *quiet(self.statistics, look.now_ns, values['cmd_vel_timeout'], topic,
+                *unheard(self.health.statistics, topic, OK),
+                *quiet(self.health.statistics, look.now_ns, values['cmd_vel_timeout'], topic,
                        at_rest=drive.rates == REST),
                 *slowness(look, values['publish_rate'])])
 
     def final_command(self) -> Sequence[Publisher]:
         """Leave the wheels with the command to stand still."""
         self._halt()
-        publishers = self._wheels_publisher, self._commands_publisher, self._twist_publisher
-        return [publisher for publisher in publishers if publisher]
-
-
-def _exceeds(twist: Twist, target: Twist) -> bool:
-    """Return whether a speed or yaw rate is more than what is asked for, or of another sign."""
-    return any(abs(now) > abs(asked) or now * asked < 0.0 for now, asked in zip(twist, target))
+        return self._out.publishers()
 
 
 main = main_of(DiffDriveController)

@@ -40,7 +40,7 @@ CLASSES = {  # imported where they are composed: a robot of two nodes starts wit
     'simulated_base': 'SimulatedBase', 'wheel_odometry': 'WheelOdometry',
     'command_sequence': 'CommandSequence',
     'forward_projection': 'ForwardProjection', 'goal_steering': 'GoalSteering',
-    'robot_description': 'RobotDescription'}
+    'robot_description': 'RobotDescription', 'web_view': 'WebView'}
 BASES = 'simulated_base', 'wheel_odometry'
 DISTURBED = 1  # exit status
 FAREWELL_S = 0.5
@@ -93,9 +93,10 @@ def _class(kind: str) -> Type[DiffDriveNode]:
 class DiffDriveSim(DiffDriveNode[Config]):
     """Makes the other nodes, and reports where the robot believes to be and where it is."""
 
-    def __init__(self) -> None:
+    def __init__(self, name: str = 'diffdrive_sim', **node_options: Any) -> None:
         self._steady = SteadyTimers()
-        super().__init__('diffdrive_sim', DIFFDRIVE_SIM, build)
+        self.members: List[DiffDriveNode] = []
+        super().__init__(name, DIFFDRIVE_SIM, build, **node_options)
         shared: Dict[str, Any] = {'timers': self._steady}
         if self.config.clock_step_ns:
             shared = {'stepped': SteppedClock(), 'in_flight': InFlightMessages()}
@@ -103,9 +104,10 @@ class DiffDriveSim(DiffDriveNode[Config]):
         if self.config.clock_step_ns:  # now, so that what comes second does not disturb the first
             check_alone(self, {self.resolve_topic_name('/clock'): []}, patience_s=FAREWELL_S)
         neighbours = tuple(member.name for member in self.config.members)
-        self.members: List[DiffDriveNode] = [
-            kind(member.name, namespace=member.namespace, neighbours=neighbours, **shared)
-            for kind, member in zip(classes, self.config.members)]
+        for kind, member in zip(classes, self.config.members):
+            self.members.append(kind(
+                member.name, **{**node_options, 'namespace': member.namespace},
+                neighbours=neighbours, **shared))
         self.clock_driver: Any = None
         if self.config.clock_step_ns:
             from diffdrive_kinematics.ros.runtime.sim_clock import SimClockDriver
@@ -131,9 +133,15 @@ class DiffDriveSim(DiffDriveNode[Config]):
                 self.clock_driver.spin(executor, self._finished, stop)
             else:
                 spin(executor, self._steady, self._finished, stop,
-                     needs_wakeup=any(node.needs_wakeup for node in self.members))
+                     needs_wakeup=any(node.runtime.needs_wakeup for node in self.members))
         finally:
             finish(self.members, executor)
+
+    def destroy_node(self) -> None:
+        """Destroy the other nodes, too."""
+        for node in self.members:
+            node.destroy_node()
+        super().destroy_node()
 
     def finished(self) -> bool:
         """Return whether there was a course, and it is done."""
@@ -160,7 +168,7 @@ class DiffDriveSim(DiffDriveNode[Config]):
             self._show_progress(max(self._sequences, key=lambda node: node.length_s))
         if not self.finished():
             return False
-        now_ns = self._courses[0].now_ns()
+        now_ns = self._courses[0].runtime.now_ns()
         self._rest_by_ns = self._rest_by_ns or now_ns + REST_TIMEOUT_NS
         return now_ns > self._rest_by_ns or all(
             base.reading().rates == (0.0, 0.0) for base in self._of(*BASES))
@@ -177,7 +185,7 @@ class DiffDriveSim(DiffDriveNode[Config]):
             return
         for node in self._of('diff_drive_controller'):
             self.get_logger().info(
-                f"publish {node.command_type()} on '{node.command_topic()}' to drive; Ctrl-C "
+                f"publish {node.commands.name} on '{node.commands.topic}' to drive; Ctrl-C "
                 'ends')
 
 
@@ -202,8 +210,7 @@ def _work(stop: Stop) -> int:
         time.sleep(FAREWELL_S)  # still to be seen, or the other one might never know
         raise
     finally:
-        for node in [*sim.members, sim]:
-            node.destroy_node()
+        sim.destroy_node()
     return exit_status()
 
 

@@ -33,6 +33,7 @@ from diffdrive_kinematics.ros.parameters.tables import FORWARD_PROJECTION
 from diffdrive_kinematics.ros.runtime.diagnostics import (
     heard_values, quiet, RateSample, stamp_values, Status, unheard)
 from diffdrive_kinematics.ros.runtime.node import DiffDriveNode
+from diffdrive_kinematics.ros.runtime.rclpy_private import MessageInfo
 from diffdrive_kinematics.ros.runtime.running import main_of
 from diffdrive_kinematics.ros.runtime.worker import InPlace, Worker
 from geometry_msgs.msg import PolygonStamped, PoseArray
@@ -93,15 +94,15 @@ class ForwardProjection(DiffDriveNode[Config]):
         self._clocks = {
             name: StampWatch(self, values[name]) for name in ('odom_topic', 'wheel_motion_topic')}
         self._worker: Union[InPlace, Worker] = (
-            InPlace(self._publish) if self._stepped else Worker(self._come_back))
+            InPlace(self._publish) if self.runtime.is_stepped else Worker(self._come_back))
         topic = values['poses_topic']
-        self._poses_publisher = self.publisher(PoseArray, topic) if topic else None
+        self._poses_publisher = self.runtime.publish(PoseArray, topic) if topic else None
         topic = values['boundary_topic']
-        self._boundary_publisher = self.publisher(PolygonStamped, topic) if topic else None
-        self.subscribe(Odometry, values['odom_topic'], self._on_odometry)
-        self.subscribe(
-            JointState, values['wheel_motion_topic'], self._on_wheels, raw=True, numbered=True)
-        self._timer = self.every(values['publish_rate'], self._tick)
+        self._boundary_publisher = self.runtime.publish(PolygonStamped, topic) if topic else None
+        self.runtime.listen(Odometry, values['odom_topic'], self._on_odometry)
+        self.runtime.listen(
+            JointState, values['wheel_motion_topic'], self._on_wheels, raw=True, informed=True)
+        self._timer = self.runtime.every(values['publish_rate'], self._tick)
         self.parameters.on_change(self._configure)
         self._tell_bounds()
 
@@ -110,18 +111,18 @@ class ForwardProjection(DiffDriveNode[Config]):
         now_ns = self._synchronised_now()
         stamp_ns = nanoseconds(message.header.stamp) or now_ns
         self._clocks['odom_topic'].note(stamp_ns, now_ns)
-        self.statistics.note(now_ns, stamp_ns)
+        self.health.statistics.note(now_ns, stamp_ns)
 
-    def _on_wheels(self, message: bytes, number: int) -> None:
-        if self.waits_for_clock():
+    def _on_wheels(self, message: bytes, info: MessageInfo) -> None:
+        if self.time.waits_for_clock():
             return
         now_ns = self._synchronised_now()
-        sample = self._reader.read(message, lambda: now_ns, number)
+        sample = self._reader.read(message, lambda: now_ns, info.number)
         if sample is None:
             return
         self._clocks['wheel_motion_topic'].note(sample.stamp_ns, now_ns)
         self._wheels, verdict = self._wheels.update(sample, now_ns)
-        self.judge(verdict, self.config.values['wheel_motion_topic'])
+        self.rejections.judge(verdict, self.config.values['wheel_motion_topic'])
 
     def _tick(self) -> None:
         now_ns = self._synchronised_now()
@@ -138,7 +139,7 @@ class ForwardProjection(DiffDriveNode[Config]):
         try:
             commands = self._commands(now_ns)
         except ValueError as error:
-            self.refuse(f'to project: {error}')
+            self.rejections.refuse(f'to project: {error}')
             return
         self._worker.ask(
             odometry.header, projected, pose, commands, self.config.geometry, self.config.slips,
@@ -158,9 +159,9 @@ class ForwardProjection(DiffDriveNode[Config]):
 
     def _publish(self, header: Header, result: Optional[Projected], error: str) -> None:
         if result is None:
-            self.refuse(f'to project: {error}')
+            self.rejections.refuse(f'to project: {error}')
             return
-        self.sent += 1
+        self.health.sent += 1
         if self._poses_publisher and result.rows is not None:
             self._poses_publisher.publish(encode_poses(header, result.rows))
         if self._boundary_publisher and result.boundary is not None:
@@ -176,16 +177,16 @@ class ForwardProjection(DiffDriveNode[Config]):
         values = self.config.values
         topic = self.resolve_topic_name(values['odom_topic'])
         return Status({
-            **heard_values(self.statistics, look.now_ns, 'odometry'),
+            **heard_values(self.health.statistics, look.now_ns, 'odometry'),
             'achieved projection rate [Hz]': look.rate,
             'projections skipped': self._worker.skipped, **stamp_values(self.counts),
             **self._wheel_watch.values()}, [
-                *self._wheel_watch.problems(), *unheard(self.statistics, topic),
-                *quiet(self.statistics, look.now_ns, values['command_timeout'], topic),
+                *self._wheel_watch.problems(), *unheard(self.health.statistics, topic),
+                *quiet(self.health.statistics, look.now_ns, values['command_timeout'], topic),
                 *(trouble for clock in self._clocks.values() for trouble in clock.problems())])
 
     def _synchronised_now(self) -> int:
-        now_ns, step_ns = self.now_and_step()
+        now_ns, step_ns = self.time.now_and_step()
         if step_ns:
             self._wheels = self._wheels.clock_stepped(step_ns)
             for clock in self._clocks.values():
@@ -202,7 +203,7 @@ class ForwardProjection(DiffDriveNode[Config]):
     def _configure(self, config: Config) -> None:
         self._wheels = self._wheels.configured(
             config.geometry, config.timeout_ns, self._synchronised_now())
-        self._timer = self.retimed(self._timer, config.values['publish_rate'], self._tick)
+        self._timer = self.runtime.retimed(self._timer, config.values['publish_rate'], self._tick)
         self._tell_bounds()
 
 

@@ -16,12 +16,13 @@
 
 from dataclasses import dataclass
 import math
-from typing import Any, List, Mapping, NamedTuple, Optional, Sequence, Union
+from typing import Any, Mapping, Optional, Sequence, Union
 
 from diffdrive_kinematics.core.commands import (
-    HeadingRegulator, Law, PointForward, PoseController, Progress, PurePursuit,
-    SteeringCommand, SteeringLimits, Waypoints, waypoints_from_poses)
-from diffdrive_kinematics.core.kinematics import check_finite, Pose
+    HeadingRegulator, Law, PointForward, PoseController, Progress, PurePursuit, SteeringCommand,
+    SteeringLimits, Waypoints, waypoints_from_poses)
+from diffdrive_kinematics.core.kinematics import Pose
+from diffdrive_kinematics.ros.inputs.tasks import goals_from, Seen, Task
 from diffdrive_kinematics.ros.messages.codec import TwistCodec
 from diffdrive_kinematics.ros.messages.messages import nanoseconds, pose_in_plane
 from diffdrive_kinematics.ros.parameters.tables import GOAL_STEERING
@@ -46,27 +47,6 @@ class Config:
     values: Mapping[str, Any]
 
 
-class Task(NamedTuple):
-    """Where to go, in a frame; an empty one is that of the odometry."""
-
-    target: Union[Pose, Waypoints]
-    frame_id: str
-
-    def __str__(self) -> str:
-        """Return it in words."""
-        if isinstance(self.target, Waypoints):
-            return f'the path of {len(self.target.points)} points'
-        return 'the goal x {:.3f} m, y {:.3f} m, yaw {:.3f} rad'.format(*self.target)
-
-
-class Seen(NamedTuple):
-    """What odometry said last: pose, frame and stamp [ns]."""
-
-    pose: Pose
-    frame_id: str
-    stamp_ns: int
-
-
 def build(values: Mapping[str, Any]) -> Config:
     """Return the configuration of parameter values, or raise ``ValueError``."""
     limits = SteeringLimits(*(values[name] for name in (
@@ -78,16 +58,7 @@ def build(values: Mapping[str, Any]) -> Config:
         'pose': lambda: PoseController(
             distance_gain, heading_gain, values['yaw_weight'], limits)}[values['law']]()
     return Config(law, PurePursuit(values['lookahead'], heading_gain, distance_gain, limits),
-                  _goals(values['goals']), values)
-
-
-def _goals(numbers: Sequence[float]) -> List[Pose]:
-    if len(numbers) % 3:
-        raise ValueError(
-            f'goals has {len(numbers)} numbers, expected three for each goal: x, y, yaw')
-    for number in numbers:
-        check_finite('goals', number)
-    return [Pose(*numbers[i:i + 3]) for i in range(0, len(numbers), 3)]
+                  goals_from(values['goals']), values)
 
 
 class GoalSteering(DiffDriveNode[Config]):
@@ -108,14 +79,15 @@ class GoalSteering(DiffDriveNode[Config]):
         self._progress = Progress(math.inf, math.inf, 0)
         stamped = values['enable_stamped_cmd_vel']
         self._message = TwistCodec(values['base_frame_id'] if stamped else None)
-        self._publisher = self.publisher(
+        self._publisher = self.runtime.publish(
             TwistStamped if stamped else Twist, values['cmd_vel_topic'])
-        self.subscribe(Odometry, values['odom_topic'], self._on_odometry)
+        self.runtime.listen(Odometry, values['odom_topic'], self._on_odometry)
         if values['goal_topic']:
-            self.subscribe(PoseStamped, values['goal_topic'], self._on_goal, needs_wakeup=False)
+            self.runtime.listen(
+                PoseStamped, values['goal_topic'], self._on_goal, needs_wakeup=False)
         if values['plan_topic']:
-            self.subscribe(Path, values['plan_topic'], self._on_plan, needs_wakeup=False)
-        self._timer = self.every(values['publish_rate'], self._tick)
+            self.runtime.listen(Path, values['plan_topic'], self._on_plan, needs_wakeup=False)
+        self._timer = self.runtime.every(values['publish_rate'], self._tick)
         self.parameters.on_change(self._configure)
 
     def _on_odometry(self, message: Odometry) -> None:
@@ -123,12 +95,17 @@ class GoalSteering(DiffDriveNode[Config]):
         if self._seen and stamp_ns == self._seen.stamp_ns != 0:
             return  # told twice, it is no younger
         self._seen = Seen(pose, message.header.frame_id, stamp_ns)
-        self.statistics.note(self._synchronised_now(), stamp_ns)
+        self.health.statistics.note(self._synchronised_now(), stamp_ns)
 
     def _on_goal(self, message: PoseStamped) -> None:
         self._begin(Task(pose_in_plane(message.pose), self._frame_of(message)))
 
     def _on_plan(self, message: Path) -> None:
+        if not message.poses:
+            if self._tasks:
+                self._end(self._synchronised_now(), f'left {self._tasks[0]}: an empty path came',
+                          arrived=True)
+            return
         frame_id = self._frame_of(message)
         poses = [pose_in_plane(each.pose) for each in message.poses]
         self._begin(Task(waypoints_from_poses(poses), frame_id))
@@ -182,7 +159,7 @@ class GoalSteering(DiffDriveNode[Config]):
 
     def _is_blind(self, now_ns: int) -> bool:
         """Say when odometry falls silent and when it comes again; return whether it is silent."""
-        age, timeout = self.statistics.age(now_ns), self.config.values['odom_timeout']
+        age, timeout = self.health.statistics.age(now_ns), self.config.values['odom_timeout']
         topic = self.resolve_topic_name(self.config.values['odom_topic'])
         if age is None:
             self.get_logger().info(
@@ -223,11 +200,11 @@ class GoalSteering(DiffDriveNode[Config]):
         self.done = bool(self.config.goals)
 
     def _send(self, now_ns: int, v: float, w: float) -> None:
-        self.sent += 1
+        self.health.sent += 1
         self._publisher.publish(self._message.encode(now_ns, v, w))
 
     def _synchronised_now(self) -> int:
-        now_ns, step_ns = self.now_and_step()
+        now_ns, step_ns = self.time.now_and_step()
         if step_ns:
             self._progress = self._progress._replace(since_ns=self._progress.since_ns + step_ns)
         return now_ns
@@ -241,19 +218,19 @@ class GoalSteering(DiffDriveNode[Config]):
             'distance left [m]': self._progress.distance if self._tasks else 0.0,
             'arrivals': self.counts['arrivals'], 'given up': self.counts['given up'],
             'odometry timeouts': self.counts['odometry timeouts'],
-            **heard_values(self.statistics, look.now_ns, 'odometry')}, [
-                *unheard(self.statistics, topic),
-                *quiet(self.statistics, look.now_ns, values['odom_timeout'], topic)])
+            **heard_values(self.health.statistics, look.now_ns, 'odometry')}, [
+                *unheard(self.health.statistics, topic),
+                *quiet(self.health.statistics, look.now_ns, values['odom_timeout'], topic)])
 
     def final_command(self) -> Sequence[Publisher]:
         """Leave the robot with the command to stand still, where it was driven."""
-        if not self.sent:
+        if not self.health.sent:
             return ()
-        self._send(self.now_ns(), 0.0, 0.0)
+        self._send(self.runtime.now_ns(), 0.0, 0.0)
         return [self._publisher]
 
     def _configure(self, config: Config) -> None:
-        self._timer = self.retimed(self._timer, config.values['publish_rate'], self._tick)
+        self._timer = self.runtime.retimed(self._timer, config.values['publish_rate'], self._tick)
 
 
 main = main_of(GoalSteering)

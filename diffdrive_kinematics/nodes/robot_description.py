@@ -64,7 +64,8 @@ class RobotDescription(DiffDriveNode[Config]):
             self._write(values['output'])
             self.done = True
             return
-        self._publisher = self.publisher(String, values['robot_description_topic'], latched())
+        self._publisher = self.runtime.publish(
+            String, values['robot_description_topic'], latched())
         self._publish(self.config)
         self.parameters.on_change(self._publish)
 

@@ -15,35 +15,31 @@
 """``simulated_base``: wheel motion in, odometry, joint states and tf out."""
 
 from dataclasses import dataclass
-import math
-from typing import Any, Mapping, Optional, Tuple
+from typing import Any, Mapping, Optional
 
-from diffdrive_kinematics.core.kinematics import compose, inverse, Pose, WheelGeometry
-from diffdrive_kinematics.core.noise import (
-    heading_covariance, NO_COVARIANCE, PoseCovariance, sample_heading, twist_covariance)
+from diffdrive_kinematics.core.kinematics import WheelGeometry
 import diffdrive_kinematics.core.odometry as core
-from diffdrive_kinematics.core.odometry import (
-    Encoder, MeasuredWheels, OdometryHistory, RateWindow, timeout_from_seconds, Verdict,
-    WheelPair)
+from diffdrive_kinematics.core.odometry import Encoder, timeout_from_seconds, Verdict, WheelPair
 from diffdrive_kinematics.ros.inputs.driver_watch import DriverWatch
 from diffdrive_kinematics.ros.inputs.wheel_watch import WheelWatch
-from diffdrive_kinematics.ros.messages.codec import OdometryCodec
-from diffdrive_kinematics.ros.messages.messages import (
-    check_stamp, given_pose, nanoseconds, pose_in_plane)
+from diffdrive_kinematics.ros.messages.messages import given_pose
 from diffdrive_kinematics.ros.messages.wheel_joints import wheel_joints
 from diffdrive_kinematics.ros.messages.wheel_messages import WheelReader, WheelWriter
 from diffdrive_kinematics.ros.parameters.from_values import (
     check_sides, check_wiring, wheel_geometry)
+from diffdrive_kinematics.ros.parameters.odometry_from_values import (
+    encoder_bound, initial_odometry, initial_pose)
 from diffdrive_kinematics.ros.parameters.tables import SIMULATED_BASE
+from diffdrive_kinematics.ros.publishers.odometry import BeliefCorrection, OdometryPublisher
 from diffdrive_kinematics.ros.publishers.path import PathPublisher
-from diffdrive_kinematics.ros.publishers.tf import frame_prefix, TransformPublisher
+from diffdrive_kinematics.ros.publishers.tf import TransformPublisher
 from diffdrive_kinematics.ros.runtime.diagnostics import (
     heard_values, quiet, RateSample, slowness, stamp_values, Status, unheard)
 from diffdrive_kinematics.ros.runtime.node import DiffDriveNode
+from diffdrive_kinematics.ros.runtime.rclpy_private import MessageInfo
 from diffdrive_kinematics.ros.runtime.running import main_of
 from geometry_msgs.msg import PoseWithCovarianceStamped
 from nav_msgs.msg import Odometry
-import numpy as np
 from sensor_msgs.msg import JointState
 from std_srvs.srv import Trigger
 
@@ -79,22 +75,6 @@ def build(values: Mapping[str, Any]) -> Config:
         slips if values['slip_model'] == 'travel' else (0.0, 0.0), values)
 
 
-def _bound(values: Mapping[str, Any]) -> float:
-    """Return the wheel rate [rad/s] above which positions have jumped."""
-    bound = values['max_encoder_rate']
-    return math.inf if math.isnan(bound) else bound
-
-
-def _start(values: Mapping[str, Any]) -> Tuple[Pose, PoseCovariance]:
-    """Return the pose to start from and its covariance: a heading that is drawn is certain."""
-    pose = Pose(*values['initial_pose'])
-    concentration, seed = values['initial_heading_concentration'], values['initial_heading_seed']
-    if seed < 0 or math.isnan(concentration):
-        return pose, heading_covariance(concentration)
-    generator = np.random.default_rng(seed)
-    return pose._replace(theta=sample_heading(pose.theta, concentration, generator)), NO_COVARIANCE
-
-
 class SimulatedBase(DiffDriveNode[Config]):
     """
     Integrates wheel motion, and publishes at a rate that has no influence on the result.
@@ -106,47 +86,35 @@ class SimulatedBase(DiffDriveNode[Config]):
 
     def __init__(self, name: str = 'simulated_base', **composition: Any) -> None:
         super().__init__(name, self.TABLE, build, **composition)
-        values = self.config.values
+        values, runtime = self.config.values, self.runtime
         joints = wheel_joints(values)
         encoder = Encoder(values['encoder_range'], values['encoder_resolution'])
+        self._odometry = initial_odometry(
+            values, self.config.geometry, self.config.timeout_ns, self.config.slip_variances)
         self._reader = WheelReader(
             joints, positions=values['position_feedback'], encoder_range=encoder.period)
         self._driver = DriverWatch(self, values['wheel_motion_topic'])
         self._wheel_watch = WheelWatch(self, self._reader, values['wheel_motion_topic'])
-        self._wheel_motion = self.poll(  # first, since it takes longest: others have to find it
+        self._wheel_motion = runtime.poll(
             JointState, values['wheel_motion_topic'], self._on_wheels)
         self._wheel_motion.set_poll_rate(values['publish_rate'])
-        pose, covariance = _start(values)
-        self._odometry = core.Odometry.starting_at(
-            pose, geometry=self.config.geometry, timeout_ns=self.config.timeout_ns,
-            slip_variances=self.config.slip_variances, covariance=covariance,
-            max_rate=_bound(values), unmeasured=MeasuredWheels(
-                values['extrapolate_positions'],
-                RateWindow(values['velocity_rolling_window_size'])))
+        self._out = OdometryPublisher(self, values)
         self._wheels = WheelWriter(joints, self.source(), encoder)
-        prefix = frame_prefix(values, self.get_namespace())
-        self._message = OdometryCodec(
-            prefix + values['odom_frame_id'], prefix + values['base_frame_id'])
-        self._frames = self._message.frame_id, self._message.child_frame_id
-        self._set_diagonals(values)
-        topic = values['odom_topic']
-        self._send_odometry = self.sender(
-            self.publisher(Odometry, topic)) if topic else None
         topic = values['joint_states_topic']
-        self._send_joints = self.sender(
-            self.publisher(JointState, topic)) if topic else None
+        self._joints = runtime.publish(JointState, topic) if topic else None
         self._transform = self._transforms('enable_odom_tf')
-        self._map_odom = self._transforms('publish_map_odom_tf')
-        self._history = OdometryHistory((self._odometry,))
-        if self._map_odom:
-            self.subscribe(Odometry, values['belief_topic'], self._on_belief)
+        transform = self._transforms('publish_map_odom_tf')
+        self._correction = BeliefCorrection(
+            self._out.frames, transform, self._odometry) if transform else None
+        if self._correction:
+            runtime.listen(Odometry, values['belief_topic'], self._on_belief)
         self._path = PathPublisher(
-            self, values, self._message.frame_id) if values['path_topic'] else None
+            self, values, self._out.frames[0]) if values['path_topic'] else None
         topic = values['set_pose_topic']
         if topic:
-            self.subscribe(PoseWithCovarianceStamped, topic, self._on_pose, needs_wakeup=False)
-        self.create_service(Trigger, '~/reset', self._on_reset)
-        self._timer = self.every(values['publish_rate'], self._tick)
+            runtime.listen(PoseWithCovarianceStamped, topic, self._on_pose, needs_wakeup=False)
+        runtime.serve(Trigger, '~/reset', self._on_reset)
+        self._timer = runtime.every(values['publish_rate'], self._tick)
         self.parameters.on_change(self._configure)
 
     def _transforms(self, switch: str) -> Optional[TransformPublisher]:
@@ -156,61 +124,43 @@ class SimulatedBase(DiffDriveNode[Config]):
         """Return the base as it is now."""
         return self._odometry.predict(self._updated_now())
 
-    def _on_wheels(self, message: bytes, received_ns: int, number: int) -> None:
+    def _on_wheels(self, message: bytes, info: MessageInfo) -> None:
         now_ns = self._synchronised_now()
-        if not now_ns and self.waits_for_clock():
+        if not now_ns and self.time.waits_for_clock():
             return
-        now_ns = min(now_ns, received_ns or now_ns)
-        sample = self._reader.read(message, lambda: now_ns, number)
+        now_ns = min(now_ns, info.received_ns or now_ns)
+        sample = self._reader.read(message, lambda: now_ns, info.number)
         if sample is None:
             return
-        self.statistics.note(now_ns, sample.stamp_ns)
+        self.health.statistics.note(now_ns, sample.stamp_ns)
         before = self._odometry
         odometry, verdict = before.update(sample, now_ns)
         self._odometry = odometry
         if odometry.clock is not before.clock or odometry.measured is not before.measured:
             self._driver.look(odometry)
-        self.judge(verdict, self.config.values['wheel_motion_topic'])
-        if self._map_odom:
-            self._history = self._history.followed(self._odometry)
+        self.rejections.judge(verdict, self.config.values['wheel_motion_topic'])
+        if self._correction:
+            self._correction.follow(odometry)
 
     def _on_belief(self, belief: Odometry) -> None:
-        """Say where the believed frame is, so that the robot is seen where it really is."""
-        own, base = self._frames
-        if belief.child_frame_id != base:
-            raise ValueError(f'child_frame_id is {belief.child_frame_id!r}, expected {base!r}')
-        if belief.header.frame_id in ('', own):
-            raise ValueError(
-                f'frame_id is {belief.header.frame_id!r}, expected another frame than {own!r}')
-        stamp = belief.header.stamp
-        check_stamp(stamp.sec, stamp.nanosec)
-        stamp_ns = nanoseconds(stamp)
-        if not stamp_ns:
-            raise ValueError('stamp is 0, expected the time of the pose')
-        believed = pose_in_plane(belief.pose.pose)
         self._updated_now()
-        if self._odometry.motion is None:
-            return
-        truth = self._history.pose_at(stamp_ns)
-        self._map_odom.publish(
-            stamp_ns, (own, belief.header.frame_id), compose(truth, inverse(believed)))
+        self._correction.publish(belief)
 
     def _on_pose(self, message: PoseWithCovarianceStamped) -> None:
-        pose, covariance = given_pose(message, self._message.frame_id)
+        pose, covariance = given_pose(message, self._out.frames[0])
         now_ns = self._updated_now()
         self._place(self._odometry.set_pose(pose, covariance, now_ns))
         self._report_place(f"set on '{self.config.values['set_pose_topic']}'")
 
     def _on_reset(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
-        pose, covariance = _start(self.config.values)
+        pose, covariance = initial_pose(self.config.values)
         now_ns = self._updated_now()
         self._place(self._odometry.set_pose(pose, covariance, now_ns, keep_angles=False))
         response.success, response.message = True, self._report_place('reset')
         return response
 
     def _place(self, odometry: core.Odometry) -> None:
-        self._odometry = odometry
-        self._history = OdometryHistory((odometry,))
+        self._begin_anew(odometry)
         if self._path:
             self._path.begin_anew()
 
@@ -219,7 +169,7 @@ class SimulatedBase(DiffDriveNode[Config]):
         pose = self.reading().pose
         report = (
             f'pose {how}: x {pose.x:.3f} m, y {pose.y:.3f} m, yaw {pose.theta:.4f} rad in '
-            f"'{self._message.frame_id}'")
+            f"'{self._out.frames[0]}'")
         self.get_logger().info(report)
         return report
 
@@ -231,15 +181,13 @@ class SimulatedBase(DiffDriveNode[Config]):
                 f"waiting for wheel motion of our joints on '{topic}'",
                 throttle_duration_sec=WAITING_REPORT_PERIOD_S, skip_first=True)
             return
-        self.sent += 1
+        self.health.sent += 1
         reading = self._odometry.predict(now_ns)
-        if self._send_odometry:
-            self._set_covariances(now_ns, reading.rates)
-            self._send_odometry(self._message.encode(now_ns, reading))
-        if self._send_joints:
-            self._send_joints(self._wheels.encode(now_ns, reading.rates, reading.angles))
+        self._out.publish(now_ns, reading, self._odometry)
+        if self._joints:
+            self._joints.publish(self._wheels.encode(now_ns, reading.rates, reading.angles))
         if self._transform:
-            self._transform.publish(now_ns, self._frames, reading.pose)
+            self._transform.publish(now_ns, self._out.frames, reading.pose)
         if self._path:
             self._path.add(now_ns, reading.pose)
 
@@ -248,15 +196,15 @@ class SimulatedBase(DiffDriveNode[Config]):
         values = self.config.values
         topic = self.resolve_topic_name(values['wheel_motion_topic'])
         return Status({
-            **heard_values(self.statistics, look.now_ns, 'wheel motion'),
+            **heard_values(self.health.statistics, look.now_ns, 'wheel motion'),
             'achieved odometry rate [Hz]': look.rate, **stamp_values(self.counts),
             'position jumps': self.counts[Verdict.JUMPED.value],
-            'last now - stamp [s]': self.statistics.skew_ns / 1e9,
-            'largest now - stamp [s]': self.statistics.largest_skew_ns / 1e9,
+            'last now - stamp [s]': self.health.statistics.skew_ns / 1e9,
+            'largest now - stamp [s]': self.health.statistics.largest_skew_ns / 1e9,
             **self._wheel_watch.values(), **self._driver.values(self._odometry)}, [
                 *self._wheel_watch.problems(), *self._driver.problems(),
-                *unheard(self.statistics, topic),
-                *quiet(self.statistics, look.now_ns, values['command_timeout'], topic,
+                *unheard(self.health.statistics, topic),
+                *quiet(self.health.statistics, look.now_ns, values['command_timeout'], topic,
                        at_rest=self._odometry.at_rest),
                 *slowness(look, values['publish_rate'])])
 
@@ -266,32 +214,15 @@ class SimulatedBase(DiffDriveNode[Config]):
         return self._synchronised_now()
 
     def _synchronised_now(self) -> int:
-        now_ns, step_ns = self.now_and_step()
+        now_ns, step_ns = self.time.now_and_step()
         if step_ns:
-            self._odometry = self._odometry.clock_stepped(step_ns)
-            self._history = OdometryHistory((self._odometry,))
+            self._begin_anew(self._odometry.clock_stepped(step_ns))
         return now_ns
 
-    def _set_diagonals(self, values: Mapping[str, Any]) -> None:
-        """Set what stays: the fixed diagonals, or the floor where nothing is observed."""
-        floor = (values['covariance_floor'],) * 6
-        pose, twist = values['pose_covariance_diagonal'], values['twist_covariance_diagonal']
-        self._fixed_pose, self._fixed_twist = any(pose), any(twist)
-        self._floor, self._period = values['covariance_floor'], 1.0 / values['publish_rate']
-        self._twist_of: Optional[WheelPair] = None
-        self._message.set_diagonals(
-            pose if self._fixed_pose else floor, twist if self._fixed_twist else floor)
-
-    def _set_covariances(self, now_ns: int, rates: WheelPair) -> None:
-        """Set what the slip makes of the pose up to now, and of the twist in a period."""
-        if not self._fixed_pose:
-            self._message.set_pose_covariance(
-                self._odometry.covariance_at(now_ns), self._floor)
-        if not self._fixed_twist and rates != self._twist_of:
-            self._twist_of = rates
-            self._message.set_twist_covariance(twist_covariance(
-                self.config.geometry, rates, *self.config.slip_variances, self._period,
-                self._floor))
+    def _begin_anew(self, odometry: core.Odometry) -> None:
+        self._odometry = odometry
+        if self._correction:
+            self._correction.begin_anew(odometry)
 
     def _configure(self, config: Config) -> None:
         now_ns = self._updated_now()
@@ -301,10 +232,11 @@ class SimulatedBase(DiffDriveNode[Config]):
             self._odometry = old.configured(
                 config.geometry, config.timeout_ns, now_ns, config.slip_variances)
         self._odometry = self._odometry._replace(
-            wheels=self._odometry.wheels._replace(max_rate=_bound(config.values)))
-        self._history = self._history.followed(self._odometry)
-        self._set_diagonals(config.values)
-        self._timer = self.retimed(self._timer, config.values['publish_rate'], self._tick)
+            wheels=self._odometry.wheels._replace(max_rate=encoder_bound(config.values)))
+        if self._correction:
+            self._correction.follow(self._odometry)
+        self._out.configure(config.values)
+        self._timer = self.runtime.retimed(self._timer, config.values['publish_rate'], self._tick)
         self._wheel_motion.set_poll_rate(config.values['publish_rate'])
 
 

@@ -27,6 +27,7 @@ from diffdrive_kinematics.ros.parameters.tables import WHEEL_NOISE
 from diffdrive_kinematics.ros.runtime.diagnostics import (
     heard_values, quiet, RateSample, stamp_values, Status, unheard)
 from diffdrive_kinematics.ros.runtime.node import DiffDriveNode
+from diffdrive_kinematics.ros.runtime.rclpy_private import MessageInfo
 from diffdrive_kinematics.ros.runtime.running import main_of
 import numpy as np
 from sensor_msgs.msg import JointState
@@ -62,33 +63,34 @@ class WheelNoise(DiffDriveNode[Config]):
         self._stream = self.config.stream
         self._seed = values['seed']
         self._generator = np.random.default_rng(self._seed)
-        self._send = self.sender(self.publisher(JointState, values['output_topic']))
-        self.subscribe(
-            JointState, values['input_topic'], self._on_wheels, raw=True, numbered=True)
+        self._publisher = self.runtime.publish(JointState, values['output_topic'])
+        self.runtime.listen(
+            JointState, values['input_topic'], self._on_wheels, raw=True, informed=True)
         self.parameters.on_change(self._configure)
 
-    def _on_wheels(self, message: bytes, number: int) -> None:
-        if self.waits_for_clock():
+    def _on_wheels(self, message: bytes, info: MessageInfo) -> None:
+        if self.time.waits_for_clock():
             return
-        sample = self._reader.read(message, self.now_ns, number)
+        sample = self._reader.read(message, self.runtime.now_ns, info.number)
         if sample is None:
             return
-        self.statistics.note(self.now_ns(), sample.stamp_ns)
+        self.health.statistics.note(self.runtime.now_ns(), sample.stamp_ns)
         self._stream, noisy, verdict = self._stream.apply(sample, self._generator)
-        self.judge(verdict, self.config.values['input_topic'])
+        self.rejections.judge(verdict, self.config.values['input_topic'])
         if noisy is not None:
-            self.sent += 1
-            self._send(self._wheels.encode(noisy.stamp_ns, noisy.rates, noisy.positions))
+            self.health.sent += 1
+            self._publisher.publish(self._wheels.encode(
+                noisy.stamp_ns, noisy.rates, noisy.positions))
 
     def status(self, look: RateSample) -> Status:
         """Return how wheel motion passes through."""
         values, motion = self.config.values, self._stream.motion
         topic = self.resolve_topic_name(values['input_topic'])
         return Status({
-            **heard_values(self.statistics, look.now_ns, 'wheel motion'), 'sent': self.sent,
-            **stamp_values(self.counts), **self._wheel_watch.values()}, [
-                *self._wheel_watch.problems(), *unheard(self.statistics, topic),
-                *quiet(self.statistics, look.now_ns, values['command_timeout'], topic,
+            **heard_values(self.health.statistics, look.now_ns, 'wheel motion'),
+            'sent': self.health.sent, **stamp_values(self.counts), **self._wheel_watch.values()}, [
+                *self._wheel_watch.problems(), *unheard(self.health.statistics, topic),
+                *quiet(self.health.statistics, look.now_ns, values['command_timeout'], topic,
                        at_rest=motion is not None and motion.rates == (0.0, 0.0))])
 
     def _configure(self, config: Config) -> None:

@@ -36,12 +36,10 @@ sys.path[:0] = [str(TEST.parent), str(TEST), str(TEST / 'benchmark')]
 
 from calibrate_recordings import (  # noqa: E402, I100
     commanded_halves, CREATE, ENCODERS, SESSIONS)
-from diffdrive_kinematics.core.calibration.drive_slip import fit_drive_slip  # noqa: E402
-from diffdrive_kinematics.core.calibration.trajectory_fit import (  # noqa: E402
-    Clock, COMMANDED, fit_trajectory)
-from diffdrive_kinematics.core.calibration.trajectory_windows import (  # noqa: E402
-    CalibrationParameters, linearised, windows_between)
-from diffdrive_kinematics.core.kinematics.angles import wrap_angle  # noqa: E402
+from diffdrive_kinematics.core.calibration import (  # noqa: E402
+    CalibrationParameters, Clock, COMMANDED, fit_drive_slip, fit_trajectory, linearised,
+    windows_between)
+from diffdrive_kinematics.core.kinematics import wrap_angle  # noqa: E402
 from support.end_points import encoder_drive  # noqa: E402
 
 WINDOW_S, SEEDS = 10.0, 200

@@ -37,7 +37,7 @@ import numpy as np
 TEST = Path(__file__).resolve().parents[1]
 sys.path[:0] = [str(TEST.parent), str(TEST)]
 
-from diffdrive_kinematics.core.calibration.slip_fit import (  # noqa: E402, I100
+from diffdrive_kinematics.core.calibration import (  # noqa: E402, I100
     fit_reference_noise, fit_slip, nees_per_dof)
 from support.systematic import (  # noqa: E402
     CalibrationParameters, CLOCK, encoder_recording, fitted, FRAME, NOMINAL, Recording, WHEELS,

@@ -33,7 +33,7 @@ EXECUTABLES = {
     'wheel_odometry': KHEPERA,
     'command_sequence': {'commands': [0.1, 0.0, 60.0]},
     'forward_projection': KHEPERA,
-    'goal_steering': {},
+    'goal_steering': {}, 'web_view': {**KHEPERA, 'port': 0},
     'robot_description': KHEPERA,
     'diffdrive_sim': {'clock_step': 0.0},
 }

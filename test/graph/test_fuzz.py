@@ -27,6 +27,7 @@ from diffdrive_kinematics.nodes import (
 from diffdrive_kinematics.ros.parameters.parameter_spec import Kind
 from diffdrive_kinematics.ros.parameters.parameters import ConfigurationError, ParameterSet
 from diffdrive_kinematics.ros.parameters.tables import TABLES
+from diffdrive_kinematics.ros.runtime.rclpy_private import given_overrides
 from diffdrive_kinematics.tools.collection import Collection
 from geometry_msgs.msg import PoseStamped, PoseWithCovarianceStamped, Twist, TwistStamped, Vector3
 from hypothesis import given, HealthCheck, Phase, settings, strategies as st
@@ -401,7 +402,8 @@ def test_whatever_the_yaml_says_a_node_starts_or_says_what_is_wrong(node):
                 parameter_overrides=[
                     parameter(*pair) for pair in given_values.items()])
             try:
-                config = ParameterSet(started, TABLES[node], BUILDERS[node]).config
+                config = ParameterSet(
+                    started, TABLES[node], BUILDERS[node], given_overrides(started)).config
                 outcomes['started'] += 1
                 assert_sound(getattr(config, 'values', {}))
                 geometry = getattr(config, 'geometry', None)

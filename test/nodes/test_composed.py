@@ -23,7 +23,7 @@ from itertools import count
 import time
 
 from diffdrive_kinematics.nodes.diffdrive_sim import CLASSES
-from geometry_msgs.msg import PolygonStamped, PoseArray
+from geometry_msgs.msg import PolygonStamped, PoseArray, TwistStamped
 from nav_msgs.msg import Odometry, Path
 import pytest
 from rclpy.qos import QoSProfile
@@ -84,6 +84,10 @@ WORST = {
         {'cmd_vel_topic': 'other_cmd_vel', 'goals': [1000.0, 0.0, 0.0], 'publish_rate': 1000.0,
          'patience': 3600.0, 'odom_timeout': 3600.0},
         [(Odometry, 'odom', standing)], [(Twist, 'other_cmd_vel')], 1000),
+    'web_view': Worst(
+        {**KHEPERA, 'port': 0, 'cmd_vel_topic': 'other_cmd_vel', 'frame_rate': 1000.0,
+         'enable_stamped_cmd_vel': True, 'autonomous_cmd_vel_topic': 'flood'},
+        [(TwistStamped, 'flood', TwistStamped)], [(TwistStamped, 'other_cmd_vel')], 100),
     'robot_description': Worst({
         **KHEPERA, 'left_wheel_names': MANY, 'right_wheel_names': [f'{each}_r' for each in MANY]})}
 

@@ -15,7 +15,7 @@
 """The controller in this process, on a clock that is set: what it tells, and with which stamps."""
 
 from diffdrive_kinematics.nodes.diff_drive_controller import DiffDriveController
-from diffdrive_kinematics.ros.runtime import clocks, node as node_module
+from diffdrive_kinematics.ros.runtime import clocks, runtime
 from diffdrive_kinematics.ros.runtime.clocks import SteadyTimers, SteppedClock
 import pytest
 import rclpy
@@ -41,7 +41,8 @@ class WallClock(SteadyTimers):
         self._steady_ns, self.ahead_ns = 5 * S, 10**6 * S
         patch.setattr(clocks.time, 'monotonic_ns', lambda: self._steady_ns)
         patch.setattr(clocks.time, 'time_ns', lambda: self._steady_ns + self.ahead_ns)
-        patch.setattr(node_module, 'clock_ns', lambda _: self._steady_ns + self.ahead_ns)
+        patch.setattr(
+            runtime, 'time_of', lambda _: lambda: self._steady_ns + self.ahead_ns)
         super().__init__()
 
     def advance_by(self, time_ns):
@@ -68,7 +69,7 @@ class SlowClock(SteadyTimers):
         if self._steady_ns >= self._tell_at_ns and not self.stands:
             self._tell_at_ns = self._steady_ns + self.EVERY_NS
             self._simulated_ns += self.BY_NS
-            self.node.time_clock.set_ros_time_override(
+            self.node.runtime.clock.set_ros_time_override(
                 Time(nanoseconds=self._simulated_ns, clock_type=ClockType.ROS_TIME))
             self.node._tick()
 
@@ -96,7 +97,7 @@ class Robot:
             'stepped' if clock is SetClock else 'timers': self.clock})
         self.clock.node = self.node
         self.told = []
-        self.node._send_wheels = lambda data: self.told.append(
+        self.node._out.rates_publisher.publish = lambda data: self.told.append(
             deserialize_message(data, JointState))
 
     def command(self, v, stamp_ns=None):

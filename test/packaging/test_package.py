@@ -28,9 +28,10 @@ ROOT = Path(__file__).resolve().parents[2]
 PACKAGE = ROOT / 'diffdrive_kinematics'
 EXECUTABLES = {'calibrate', 'command_sequence', 'diff_drive_controller', 'diffdrive_sim',
                'forward_projection', 'goal_steering', 'plot_paths', 'robot_description',
-               'simulated_base', 'wheel_noise', 'wheel_odometry'}
+               'simulated_base', 'web_view', 'wheel_noise', 'wheel_odometry'}
 ROSDEP_KEY = {'numpy': 'python3-numpy', 'yaml': 'python3-yaml'}
-OPTIONAL = {'matplotlib', 'rosbag2_py', 'rosbags'}  # extras of setup.py, or of ROS
+OPTIONAL = {  # extras of setup.py, or of ROS
+    'fastapi', 'matplotlib', 'nicegui', 'rosbag2_py', 'rosbags', 'uvicorn'}
 
 
 @pytest.fixture
@@ -151,6 +152,15 @@ def test_matplotlib_is_imported_only_where_it_may_be_missing(declared):
     assert 'matplotlib' not in imported_by_the_package(lazy=False)
     assert 'matplotlib' not in declared['install_requires']
     assert declared['extras_require']['plot'] == ['matplotlib']
+
+
+def test_nicegui_is_imported_only_by_the_page():
+    """Which ``web_view`` imports where it may be missing; it brings fastapi and uvicorn."""
+    for file in PACKAGE.rglob('*.py'):
+        names = imported(ast.parse(file.read_text(encoding='utf-8')))
+        assert file.name == 'web_page.py' or not names & {'nicegui', 'fastapi', 'uvicorn'}
+        if 'web_page' in file.read_text(encoding='utf-8') and file.name != 'web_page.py':
+            assert file.name == 'web_view.py'
 
 
 def test_what_reads_bags_is_imported_only_where_it_may_be_missing(declared):

@@ -12,24 +12,15 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""A ROS domain that nobody else uses, and that is empty again afterwards."""
+"""A ROS domain that nobody else uses."""
 
 from contextlib import contextmanager
-import gc
 
 from domain_coordinator import domain_id
 
 
 @contextmanager
 def own_domain():
-    """
-    Yield a domain of its own.
-
-    A node that refused to start lives on in the traceback of its error: it is collected, since
-    the next test of this process would find it in the same domain.
-    """
+    """Yield a domain of its own."""
     with domain_id() as domain:
-        try:
-            yield int(domain)
-        finally:
-            gc.collect()
+        yield int(domain)

@@ -18,38 +18,35 @@ Measuring a robot: its wheels, its bias and its slip, from squares or recorded d
 UMBmark, least squares on trajectories, and the likelihood of slip on windows of a drive.
 """
 
-from diffdrive_kinematics.core.calibration.calibration_problem import (
-    Column, distances_of, FRAME, newton_step, Problem, refuse_unidentified, SAME_DRIVE, sandwich,
-    taken_by_fit, WHEELS)
+from diffdrive_kinematics.core.calibration.calibration_parameters import CalibrationParameters
+from diffdrive_kinematics.core.calibration.drive_odometry import odometry_at
 from diffdrive_kinematics.core.calibration.drive_slip import fit_drive_slip, slip_windows
+from diffdrive_kinematics.core.calibration.drive_sources import (
+    drive_from_commands, drive_from_rates, drive_from_ticks)
 from diffdrive_kinematics.core.calibration.estimate import Estimate
-from diffdrive_kinematics.core.calibration.recording import (
-    drive_from_commands, drive_from_positions, drive_from_rates, drive_from_ticks,
-    RecordedDrive)
+from diffdrive_kinematics.core.calibration.fit_setup import Clock, NO_FRAME
+from diffdrive_kinematics.core.calibration.gauss_newton import Iteration
+from diffdrive_kinematics.core.calibration.recorded_drive import (
+    drive_from_positions, RecordedDrive)
 from diffdrive_kinematics.core.calibration.slip_fit import (
-    fit_reference_noise, fit_slip, nees_per_dof, NO_NOISE, ReferenceNoise, slip_window, SlipFit,
-    SlipWindow)
-from diffdrive_kinematics.core.calibration.square_errors import (
-    angles_of_runs, ratios_of_angles, SquareAngles)
+    fit_reference_noise, fit_slip, nees_per_dof)
+from diffdrive_kinematics.core.calibration.slip_result import NO_NOISE, ReferenceNoise, SlipFit
+from diffdrive_kinematics.core.calibration.slip_window import slip_window, SlipWindow
+from diffdrive_kinematics.core.calibration.square_runs import ReturnError, Umbmark
 from diffdrive_kinematics.core.calibration.square_slip import slip_from_squares
-from diffdrive_kinematics.core.calibration.trajectory_fit import (
-    Clock, COMMANDED, fit_trajectory, NO_FRAME, Residual, TrajectoryFit, Windows)
+from diffdrive_kinematics.core.calibration.trajectory_fit import fit_trajectory
+from diffdrive_kinematics.core.calibration.trajectory_result import Residual, TrajectoryFit
 from diffdrive_kinematics.core.calibration.trajectory_windows import (
-    CalibrationParameters, linearised, odometry_at, WindowResiduals, windows_between, WindowSet)
-from diffdrive_kinematics.core.calibration.umbmark import corrected, ReturnError, Umbmark, umbmark
-from diffdrive_kinematics.core.calibration.window_weights import (
-    distance, score_covariance, START_VARIANCES, updated_variances, Variances, window_covariance,
-    window_weights)
+    COMMANDED, Windows, windows_between, WindowSet)
+from diffdrive_kinematics.core.calibration.umbmark import corrected, umbmark
+from diffdrive_kinematics.core.calibration.window_residuals import linearised, WindowResiduals
+from diffdrive_kinematics.core.calibration.window_weights import Variances
 
 __all__ = [
-    'COMMANDED', 'Clock', 'Column', 'Estimate', 'FRAME', 'WindowResiduals', 'NO_FRAME', 'NO_NOISE',
-    'Problem', 'ReferenceNoise', 'Residual', 'ReturnError', 'SAME_DRIVE', 'START_VARIANCES',
-    'RecordedDrive', 'SlipFit', 'SlipWindow', 'SquareAngles', 'CalibrationParameters',
-    'TrajectoryFit', 'Umbmark',
-    'Variances', 'WHEELS', 'WindowSet', 'Windows', 'angles_of_runs', 'corrected', 'distance',
-    'distances_of', 'fit_reference_noise', 'fit_drive_slip', 'fit_slip', 'fit_trajectory',
-    'linearised', 'nees_per_dof', 'newton_step', 'odometry_at', 'ratios_of_angles',
-    'refuse_unidentified', 'sandwich', 'score_covariance', 'drive_from_commands',
-    'drive_from_positions', 'drive_from_rates', 'drive_from_ticks', 'slip_windows',
-    'slip_from_squares', 'slip_window', 'taken_by_fit', 'umbmark', 'updated_variances',
-    'window_covariance', 'window_weights', 'windows_between']
+    'COMMANDED', 'CalibrationParameters', 'Clock', 'Estimate', 'Iteration', 'NO_FRAME',
+    'NO_NOISE', 'RecordedDrive', 'ReferenceNoise', 'Residual', 'ReturnError', 'SlipFit',
+    'SlipWindow', 'TrajectoryFit', 'Umbmark', 'Variances', 'WindowResiduals', 'WindowSet',
+    'Windows', 'corrected', 'drive_from_commands', 'drive_from_positions', 'drive_from_rates',
+    'drive_from_ticks', 'fit_drive_slip', 'fit_reference_noise', 'fit_slip', 'fit_trajectory',
+    'linearised', 'nees_per_dof', 'odometry_at', 'slip_from_squares', 'slip_window',
+    'slip_windows', 'umbmark', 'windows_between']

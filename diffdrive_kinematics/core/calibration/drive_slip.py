@@ -29,12 +29,15 @@ from dataclasses import replace
 import math
 from typing import List, Sequence, Tuple
 
-from diffdrive_kinematics.core.calibration.recording import RecordedDrive
-from diffdrive_kinematics.core.calibration.slip_fit import (
-    Estimate, fit_slip, slip_window, SlipFit, SlipWindow)
-from diffdrive_kinematics.core.calibration.trajectory_fit import TrajectoryFit
-from diffdrive_kinematics.core.calibration.trajectory_windows import (
-    CalibrationParameters, windows_between)
+from diffdrive_kinematics.core.calibration.calibration_parameters import CalibrationParameters
+from diffdrive_kinematics.core.calibration.drive_odometry import since_middle
+from diffdrive_kinematics.core.calibration.estimate import Estimate
+from diffdrive_kinematics.core.calibration.recorded_drive import RecordedDrive
+from diffdrive_kinematics.core.calibration.slip_fit import fit_slip
+from diffdrive_kinematics.core.calibration.slip_result import SlipFit
+from diffdrive_kinematics.core.calibration.slip_window import slip_window, SlipWindow
+from diffdrive_kinematics.core.calibration.trajectory_result import TrajectoryFit
+from diffdrive_kinematics.core.calibration.trajectory_windows import windows_between
 from diffdrive_kinematics.core.calibration.window_weights import distance, REJECTED, Variances
 from diffdrive_kinematics.core.kinematics import Pose, WheelGeometry
 import numpy as np
@@ -85,9 +88,8 @@ def slip_windows(
     calibrated = replace(
         geometry,
         wheel_separation_multiplier=geometry.wheel_separation_multiplier * systematic.separation)
-    middle = 0.5 * (drive.time[0] + drive.time[-1])
     stamps = (drive.reference_time - systematic.offset
-              - systematic.drift * (drive.reference_time - middle))
+              - systematic.drift * since_middle(drive))
     radii = np.array([geometry.left_radius * systematic.left,
                       geometry.right_radius * systematic.right])
     poses = _centre(drive.reference, systematic)

@@ -23,12 +23,11 @@ along every side; driven in one direction only, one can hide the other.  The equ
 correct, drive again, correct again.
 """
 
-from dataclasses import dataclass, replace
-import math
-from typing import NamedTuple, Sequence
+from dataclasses import replace
+from typing import Sequence
 
-from diffdrive_kinematics.core.calibration.estimate import Estimate
 from diffdrive_kinematics.core.calibration.square_errors import angles_of_runs, ratios_of_angles
+from diffdrive_kinematics.core.calibration.square_runs import ReturnError, Umbmark
 from diffdrive_kinematics.core.commands import square_course
 from diffdrive_kinematics.core.kinematics import (
     Command, is_sane, LARGEST, Pose, pose_after, twist_from_wheel_rates, wheel_rates_from_twist,
@@ -36,85 +35,11 @@ from diffdrive_kinematics.core.kinematics import (
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ['Estimate', 'ReturnError', 'Umbmark', 'corrected', 'umbmark']
+__all__ = ['corrected', 'umbmark']
 
 Array = NDArray[np.float64]
 
 FEWEST_RUNS = 2
-
-
-class ReturnError(NamedTuple):
-    """
-    True position minus that of odometry at the end of a run, in the frame of its start.
-
-    Parameters
-    ----------
-    x, y : float
-        The error [m].
-
-    Examples
-    --------
-    >>> ReturnError(x=0.3, y=-0.4).distance
-    0.5
-
-    """
-
-    x: float
-    y: float
-
-    @property
-    def distance(self) -> float:
-        """Length of the error [m]."""
-        return math.hypot(self.x, self.y)
-
-
-@dataclass(frozen=True)
-class Umbmark:
-    """
-    Systematic errors, and the correction that follows from them.
-
-    ``(value - truth) / error`` follows Student's t with ``degrees_of_freedom``, as far as the
-    first order holds: trust the standard errors of the last pass, and those of the first only
-    if the remainder, about ``error_after``, is small beside the scatter.
-
-    Parameters
-    ----------
-    side : float
-        Side of the square [m].
-    clockwise, counterclockwise : ReturnError
-        Centres of gravity.
-    clockwise_after, counterclockwise_after : ReturnError
-        The same of the same wheel motion, read with the corrected geometry by its exact
-        kinematics: what the first order leaves.  New runs add their own scatter.
-    alpha, beta : Estimate
-        Errors of a turn and along a side [rad]; see :mod:`.square_errors`.
-    separation_ratio, diameter_ratio : Estimate
-        E_b and E_d [1].
-    error_before : float
-        E_max,syst: distance [m] of the farther centre of gravity.
-    error_after : float
-        The same of the centres after the correction [m].
-    degrees_of_freedom : int
-        Those of the scatter that the errors come from: the number of runs less 2.
-
-    Examples
-    --------
-    See :func:`umbmark`.
-
-    """
-
-    side: float
-    clockwise: ReturnError
-    counterclockwise: ReturnError
-    clockwise_after: ReturnError
-    counterclockwise_after: ReturnError
-    alpha: Estimate
-    beta: Estimate
-    separation_ratio: Estimate
-    diameter_ratio: Estimate
-    error_before: float
-    error_after: float
-    degrees_of_freedom: int
 
 
 def umbmark(

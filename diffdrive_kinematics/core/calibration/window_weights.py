@@ -13,37 +13,24 @@
 # limitations under the License.
 
 """
-Weights of windows whose errors share slip and reference noise, and the covariance of a fit.
+Weights of windows by how large their errors are, beside slip and the noise of the reference.
 
-The covariance of a window's error is ``P = q_1 A_1 + q_2 N_p + q_3 N_h`` (see :mod:`.slip_fit`).
-The variances q are those of greatest likelihood, found by the iteration of Zhou, Hu, Zhou &
-Lange (2019, J. Comput. Graph. Stat. 28(2), "MM algorithms for variance components models"),
-``q_a <- q_a sqrt(sum e^T P^-1 A_a P^-1 e / sum tr(P^-1 A_a))``, which keeps them positive; what
-the fit of the parameters has taken out of the errors is allowed for.
-
-Windows overlap, so their errors are not independent; the inverse of the information would be too
-small a covariance.  What is independent is the slip of each interval and the noise of each
-sample of the reference.  The score ``sum J^T P^-1 e`` is a sum over these too, so its covariance
-S is known, and that of the parameters is the sandwich ``H^-1 S H^-1``, ``H = sum J^T P^-1 J``
-(Huber 1967; White 1980, Econometrica 48(4)), the model of the package in its middle.
+The covariance of a window's error is ``P = q_1 A_1 + q_2 N_p + q_3 N_h`` (see
+:mod:`.slip_window`) of three variances q.
 """
 
-from typing import NamedTuple, Sequence
+from typing import NamedTuple
 
-from diffdrive_kinematics.core.calibration.trajectory_windows import WindowResiduals, WindowSet
+from diffdrive_kinematics.core.calibration.window_residuals import WindowResiduals
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = [
-    'START_VARIANCES', 'Variances', 'distance', 'score_covariance', 'updated_variances',
-    'window_covariance', 'window_weights']
+__all__ = ['MEDIAN', 'REJECTED', 'Variances', 'distance', 'window_covariance', 'window_weights']
 
 Array = NDArray[np.float64]
 
-CREDIBLE, REJECTED = 4.0, 12.0
-"""Distances up to which a window tells variances, and from which it counts nothing at all."""
-SHARE = 0.1
-"""Share of the errors of short windows that is noise of the reference at least."""
+REJECTED = 12.0
+"""Distance from which a window counts nothing at all."""
 MEDIAN = 1.5382
 """Median of the distance of a Gaussian error of three components: sqrt of 2.366."""
 
@@ -63,42 +50,14 @@ class Variances(NamedTuple):
 
     Examples
     --------
-    The noise of a reference, found from windows of 1 s of a straight drive:
-
-    >>> from dataclasses import replace
-    >>> from diffdrive_kinematics.core.calibration import trajectory_windows as tw
-    >>> from diffdrive_kinematics.core.kinematics import WheelGeometry
-    >>> from diffdrive_kinematics.core.calibration import drive_from_rates
-    >>> geometry, stamps = WheelGeometry(0.5, 0.125), np.arange(500.0)
-    >>> bare = drive_from_rates(stamps, np.full((500, 2), 8.0), stamps, np.zeros((500, 3)))
-    >>> noise = np.random.default_rng(1).normal(0.0, 0.01, (500, 3))
-    >>> drive = replace(
-    ...     bare, reference=tw.odometry_at(geometry, bare, tw.CalibrationParameters()) + noise)
-    >>> windows = tw.windows_between(drive, (1.0,), every=1.0, tolerance=0.1)
-    >>> part = tw.linearised(geometry, drive, windows, tw.CalibrationParameters())
-    >>> covariance = window_covariance(part, START_VARIANCES)
-    >>> nothing = np.zeros_like(covariance)  # no parameter has been fitted
-    >>> found = updated_variances(
-    ...     [part], distance(part.error, 1e3 * covariance), nothing, START_VARIANCES, steps=20)
-    >>> f'{found.position**0.5:.2f} m, {found.heading**0.5:.2f} rad'
-    '0.01 m, 0.01 rad'
-
-    What the separation, third of the fields of CalibrationParameters, makes of the score:
-
-    >>> gain = np.linalg.solve(covariance, part.jacobian[:, :, 2:3]).transpose(0, 2, 1)
-    >>> score_covariance(part, windows, gain, found, samples=500).shape
-    (1, 1)
+    >>> Variances(slip=1e-6, position=1e-6, heading=1e-5).slip**0.5
+    0.001
 
     """
 
     slip: float
     position: float
     heading: float
-
-
-START_VARIANCES = Variances(1e-6, 1e-6, 1e-5)
-FLOOR = Variances(1e-14, 1e-12, 1e-12)
-"""Least variances, so that exact data do not make P singular."""
 
 
 def window_covariance(part: WindowResiduals, variances: Variances) -> Array:
@@ -119,7 +78,15 @@ def window_covariance(part: WindowResiduals, variances: Variances) -> Array:
 
     Examples
     --------
-    See :class:`Variances`.
+    >>> from diffdrive_kinematics.core.calibration import (
+    ...     CalibrationParameters, drive_from_rates, linearised, windows_between)
+    >>> from diffdrive_kinematics.core.kinematics import WheelGeometry
+    >>> stamps = np.arange(3.0)
+    >>> drive = drive_from_rates(stamps, np.full((3, 2), 8.0), stamps, np.zeros((3, 3)))
+    >>> windows = windows_between(drive, (1.0,), every=1.0, tolerance=0.1)
+    >>> part = linearised(WheelGeometry(0.5, 0.125), drive, windows, CalibrationParameters())
+    >>> window_covariance(part, Variances(slip=0.0, position=1e-6, heading=0.0))[:, 0, 0]
+    array([2.e-06, 2.e-06])
 
     """
     position, heading = part.noise()
@@ -180,106 +147,3 @@ def window_weights(distances: Array, trust: float) -> Array:
     huber = trust / np.maximum(distances, trust)
     weights: Array = huber * np.clip(0.5 * (REJECTED - distances), 0.0, 1.0)
     return weights
-
-
-def updated_variances(
-        parts: Sequence[WindowResiduals], distances: Array, taken: Array, variances: Variances,
-        steps: int) -> Variances:
-    """
-    Return the variances after some steps towards those of greatest likelihood.
-
-    The credible windows alone count.  Without ``taken`` the variances would come out too small
-    (as without the n - 1 of a sample).  The noise keeps a share of the errors: P that is nearly
-    singular, all slip, would trust a few directions without bound.
-
-    Parameters
-    ----------
-    parts : sequence of WindowResiduals
-        Windows of each drive, w in all.
-    distances : numpy.ndarray, shape (w,)
-        Distances of the windows [1]; they tell which ones are credible.
-    taken : numpy.ndarray, shape (w, 3, 3)
-        Covariance ``J C J^T`` that the fit of the parameters takes out of the errors.
-    variances : Variances
-        Where to start.
-    steps : int
-        How many steps to take (Zhou et al. 2019; see the head of this module).
-
-    Returns
-    -------
-    Variances
-        The variances after the steps.
-
-    Examples
-    --------
-    See :class:`Variances`.
-
-    """
-    weights = np.clip(0.5 * (CREDIBLE + 2.0 - distances), 0.0, 1.0)
-    error = np.concatenate([part.error for part in parts])
-    noise = np.concatenate([part.noise() for part in parts], axis=1)
-    stack = np.concatenate([np.concatenate([part.slip for part in parts])[None], noise])
-    values, least = np.array(variances), _least_noise(error, stack[0])
-    for _ in range(steps):
-        inverse = np.linalg.inv(np.tensordot(values, stack, 1))
-        pulled = np.einsum('wij,wj->wi', inverse, error)
-        square = np.einsum('w,awij,wi,wj->a', weights, stack, pulled, pulled, optimize=True)
-        expected = inverse - inverse @ taken @ inverse
-        trace = np.einsum('w,awij,wji->a', weights, stack, inverse, optimize=True)
-        left = np.einsum('w,awij,wji->a', weights, stack, expected, optimize=True)
-        trace = np.maximum(left, 0.25 * trace)
-        values = np.maximum(values * np.sqrt(square / np.maximum(trace, 1e-300)), least)
-    return Variances(*values.tolist())
-
-
-def _least_noise(error: Array, slip: Array) -> Array:
-    """Return least variances, from medians over the windows in which slip turns least."""
-    short = slip[:, 2, 2] <= np.median(slip[:, 2, 2])
-    x, y, heading = np.median(error[short]**2, axis=0) / 0.455  # of chi square, 1 degree
-    return np.maximum(FLOOR, [0.0, 0.25 * SHARE * (x + y), 0.5 * SHARE * heading])
-
-
-def score_covariance(
-        part: WindowResiduals, windows: WindowSet, gain: Array, variances: Variances,
-        samples: int) -> Array:
-    """
-    Return the covariance S of the score ``sum J^T P^-1 e`` of one drive.
-
-    Parameters
-    ----------
-    part : WindowResiduals
-        The w windows of the drive.
-    windows : WindowSet
-        Rows at which they start and end.
-    gain : numpy.ndarray, shape (w, p, 3)
-        Factor ``J^T P^-1`` of each window, for p parameters.
-    variances : Variances
-        Slip constant and noise of the reference.
-    samples : int
-        Number of samples of the reference.
-
-    Returns
-    -------
-    numpy.ndarray, shape (p, p)
-        S, in the inverse squared units of the parameters.
-
-    Examples
-    --------
-    See :class:`Variances`.
-
-    """
-    size = gain.shape[1]
-    pulled = gain @ part.along
-    change = np.zeros((len(part.travel) + 1, size, 3))
-    np.add.at(change, part.first, pulled)
-    np.subtract.at(change, part.last + 1, pulled)
-    carried = np.cumsum(change, axis=0)[:-1]
-    by_slip = np.einsum('npi,nki->nkp', carried, part.elements)
-    heavy = np.abs(part.travel)[..., None] * by_slip
-    by_sample = np.zeros((samples, size, 3))
-    np.add.at(by_sample, windows.start, gain @ part.at_start)
-    np.add.at(by_sample, windows.end, gain @ part.at_end)
-    noise = np.array([variances.position, variances.position, variances.heading])
-    score: Array = (variances.slip * np.tensordot(heavy, by_slip, ((0, 1), (0, 1)))
-                    + np.tensordot(by_sample * noise, by_sample, ((0, 2), (0, 2))))
-    return score

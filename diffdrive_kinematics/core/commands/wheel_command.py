@@ -40,6 +40,28 @@ class Twist(NamedTuple):
     v: float
     w: float
 
+    def exceeds(self, asked: 'Twist') -> bool:
+        """
+        Return whether a speed or yaw rate is more than what is asked for, or of another sign.
+
+        Parameters
+        ----------
+        asked : Twist
+            What is asked for.
+
+        Returns
+        -------
+        bool
+            Whether a robot with this twist is faster than asked, as where a ramp brakes it.
+
+        Examples
+        --------
+        >>> Twist(0.5, 0.0).exceeds(Twist(0.2, 0.0)), Twist(0.2, 0.0).exceeds(Twist(0.5, 1.0))
+        (True, False)
+
+        """
+        return any(abs(now) > abs(most) or now * most < 0.0 for now, most in zip(self, asked))
+
 
 STILL = Twist(0.0, 0.0)
 

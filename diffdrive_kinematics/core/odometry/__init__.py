@@ -32,15 +32,17 @@ from diffdrive_kinematics.core.odometry.rate_window import RateWindow
 from diffdrive_kinematics.core.odometry.sender_clock import SenderClock
 from diffdrive_kinematics.core.odometry.sender_clocks import REMEMBERED_NS, SenderClocks
 from diffdrive_kinematics.core.odometry.slip_stream import SlipStream
-from diffdrive_kinematics.core.odometry.sources import Source, Sources, Spoken
+from diffdrive_kinematics.core.odometry.source import Source, Spoken
+from diffdrive_kinematics.core.odometry.sources import Sources
 from diffdrive_kinematics.core.odometry.timeouts import (
     step_tolerance, timeout_from_seconds, tolerance_of)
 from diffdrive_kinematics.core.odometry.velocity_check import Contradiction, VelocityCheck
+from diffdrive_kinematics.core.odometry.wheel_comparison import Disagreement, mean_of
 from diffdrive_kinematics.core.odometry.wheel_motion import (
     anchored, baseline, is_silent, rates_at, rolled, shifted, WheelMotion)
 from diffdrive_kinematics.core.odometry.wheel_sample import (
     is_run, Verdict, WheelPair, WheelSample, ZERO)
-from diffdrive_kinematics.core.odometry.wheel_side import Disagreement, mean_of, SideTrack
+from diffdrive_kinematics.core.odometry.wheel_side import SideTrack
 from diffdrive_kinematics.core.odometry.wheel_state import WheelState
 from diffdrive_kinematics.core.odometry.wheel_track import WheelTrack
 

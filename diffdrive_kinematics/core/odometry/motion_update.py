@@ -31,6 +31,7 @@ import math
 from typing import Callable, NamedTuple, Optional
 
 from diffdrive_kinematics.core.kinematics import NANOSECONDS
+from diffdrive_kinematics.core.odometry.motion_evidence import Evidence, evidence_of
 from diffdrive_kinematics.core.odometry.timeouts import step_tolerance
 from diffdrive_kinematics.core.odometry.wheel_motion import baseline, rolled, WheelMotion
 from diffdrive_kinematics.core.odometry.wheel_sample import (
@@ -68,18 +69,7 @@ class MotionUpdate(NamedTuple):
     known: WheelPair = ZERO
 
 
-class _Evidence(NamedTuple):
-    """What is known of the wheels at a sample: by the rates held, and by its positions."""
-
-    timeout_ns: Optional[int]
-    stamp_ns: int  # from which the sample holds
-    held: WheelPair  # rolled since the anchor [rad] where the rates were held
-    measured: WheelPair  # the same by the positions where they count, else as held
-    counts: bool  # whether the positions count
-    agrees: bool  # whether both say the same
-
-
-_Case = Callable[[WheelMotion, WheelSample, _Evidence], MotionUpdate]
+_Case = Callable[[WheelMotion, WheelSample, Evidence], MotionUpdate]
 
 
 def update_motion(
@@ -138,27 +128,13 @@ def update_motion(
     ((0.5, 1.0), True)
 
     """
-    evidence = _evidence(motion, sample, timeout_ns)
+    evidence = evidence_of(motion, sample, timeout_ns)
     case = _case_of(motion, sample, evidence, now_ns, max_rate, usual_ns)
     return case(motion, sample, evidence)
 
 
-def _evidence(
-        motion: WheelMotion, sample: WheelSample, timeout_ns: Optional[int]) -> _Evidence:
-    stamp_ns, positions, reference = sample.stamp_ns, sample.positions, motion.reference
-    if stamp_ns <= motion.anchor_ns:
-        stamp_ns = motion.anchor_ns + 1  # it was on its way while the settings changed
-    held = rolled(motion, stamp_ns, timeout_ns)
-    if positions is None or not motion.counted or sample.source != motion.source:
-        return _Evidence(timeout_ns, stamp_ns, held, held, False, True)
-    left, right = positions[0] - reference[0], positions[1] - reference[1]
-    return _Evidence(timeout_ns, stamp_ns, held, (left, right), True, (
-        _same(held[0], left, positions[0], reference[0])
-        and _same(held[1], right, positions[1], reference[1])))
-
-
 def _case_of(
-        motion: WheelMotion, sample: WheelSample, evidence: _Evidence, now_ns: int,
+        motion: WheelMotion, sample: WheelSample, evidence: Evidence, now_ns: int,
         max_rate: float, usual_ns: int) -> _Case:
     """Return the case that a sample is, as in the table of :func:`update_motion`."""
     stamp_ns, anchor_ns, last_ns = sample.stamp_ns, motion.anchor_ns, motion.last_ns
@@ -177,28 +153,28 @@ def _case_of(
     return _change
 
 
-def _clock_step(motion: WheelMotion, sample: WheelSample, evidence: _Evidence) -> MotionUpdate:
+def _clock_step(motion: WheelMotion, sample: WheelSample, evidence: Evidence) -> MotionUpdate:
     known = rolled(motion, motion.last_ns, evidence.timeout_ns)
     return MotionUpdate(baseline(sample), known, Verdict.CLOCK_STEP)
 
 
-def _first_turn(motion: WheelMotion, sample: WheelSample, _: _Evidence) -> MotionUpdate:
+def _first_turn(motion: WheelMotion, sample: WheelSample, _: Evidence) -> MotionUpdate:
     return MotionUpdate(baseline(sample), ZERO, MOVED)
 
 
-def _duplicate(motion: WheelMotion, _: WheelSample, __: _Evidence) -> MotionUpdate:
+def _duplicate(motion: WheelMotion, _: WheelSample, __: Evidence) -> MotionUpdate:
     return MotionUpdate(motion, ZERO, REPEATED)
 
 
-def _late(motion: WheelMotion, _: WheelSample, __: _Evidence) -> MotionUpdate:
+def _late(motion: WheelMotion, _: WheelSample, __: Evidence) -> MotionUpdate:
     return MotionUpdate(motion, ZERO, Verdict.OUT_OF_ORDER)
 
 
-def _jump(_: WheelMotion, sample: WheelSample, evidence: _Evidence) -> MotionUpdate:
+def _jump(_: WheelMotion, sample: WheelSample, evidence: Evidence) -> MotionUpdate:
     return MotionUpdate(baseline(sample, evidence.stamp_ns), evidence.held, Verdict.JUMPED)
 
 
-def _repeat(motion: WheelMotion, sample: WheelSample, evidence: _Evidence) -> MotionUpdate:
+def _repeat(motion: WheelMotion, sample: WheelSample, evidence: Evidence) -> MotionUpdate:
     """Renew the last stamp; a repeat without positions is where they begin to count."""
     if sample.stamp_ns >= motion.last_ns:
         motion = WheelMotion(motion.anchor_ns, sample.stamp_ns, *motion[2:])  # as _replace, faster
@@ -208,7 +184,7 @@ def _repeat(motion: WheelMotion, sample: WheelSample, evidence: _Evidence) -> Mo
     return MotionUpdate(motion, ZERO, REPEATED)
 
 
-def _change(motion: WheelMotion, sample: WheelSample, evidence: _Evidence) -> MotionUpdate:
+def _change(motion: WheelMotion, sample: WheelSample, evidence: Evidence) -> MotionUpdate:
     timeout_ns, stamp_ns, _, measured, _, agrees = evidence
     following = baseline(sample, stamp_ns)
     if sample.rates is None:
@@ -234,7 +210,7 @@ def _is_the_anchor(motion: WheelMotion, sample: WheelSample) -> bool:
 
 
 def _is_out_of_reach(
-        motion: WheelMotion, evidence: _Evidence, max_rate: float, usual_ns: int) -> bool:
+        motion: WheelMotion, evidence: Evidence, max_rate: float, usual_ns: int) -> bool:
     """Tell whether positions went further since the message before than wheels can."""
     if max_rate == math.inf:
         return False
@@ -245,7 +221,7 @@ def _is_out_of_reach(
     return any(abs(a - b) > reach + math.ulp(a) for a, b in zip(evidence.measured, before))
 
 
-def _is_repeat(motion: WheelMotion, sample: WheelSample, evidence: _Evidence) -> bool:
+def _is_repeat(motion: WheelMotion, sample: WheelSample, evidence: Evidence) -> bool:
     """Tell whether a sample says that the rates are held, and were until now."""
     if (sample.rates != motion.rates or not motion.holds or not evidence.agrees
             or sample.source != motion.source):
@@ -255,8 +231,3 @@ def _is_repeat(motion: WheelMotion, sample: WheelSample, evidence: _Evidence) ->
     timeout_ns = evidence.timeout_ns
     return (timeout_ns is None or evidence.stamp_ns <= motion.last_ns + timeout_ns
             or motion.rates == ZERO)  # wheels at rest do not stop
-
-
-def _same(held: float, measured: float, position: float, reference: float) -> bool:
-    """Tell whether two angles differ by what rounding of the positions makes."""
-    return abs(held - measured) <= 4.0 * math.ulp(max(abs(position), abs(reference)))

@@ -62,8 +62,6 @@ class Odometry(OdometryState):
 
     >>> odometry = odometry.configured(
     ...     WheelGeometry(0.5, wheel_radius=0.25), timeout_ns=None, now_ns=2_500_000_000)
-    >>> odometry.predict(3_000_000_000).pose.x
-    2.75
     >>> odometry = odometry.set_pose(Pose(0.0, 3.0, 0.0), NO_COVARIANCE, now_ns=3_000_000_000)
     >>> state = odometry.predict(4_000_000_000)
     >>> state.pose, state.angles
@@ -237,31 +235,6 @@ class Odometry(OdometryState):
         return self._replace(
             anchor=Anchor.at(pose, covariance),
             wheels=self.wheels.stopped(now_ns, keep_angles=keep_angles))
-
-    def clock_stepped(self, step_ns: int) -> 'Odometry':
-        """
-        Return the odometry as it reads after the own clock was stepped, and with it theirs.
-
-        Parameters
-        ----------
-        step_ns : int
-            By how much the clock was stepped [ns].
-
-        Returns
-        -------
-        Odometry
-            The odometry with its times moved; those of a clock that is another one stay.
-
-        Examples
-        --------
-        >>> odometry = Odometry.starting_at(
-        ...     Pose(0.0, 0.0, 0.0), geometry=WheelGeometry(0.5, 0.125), timeout_ns=None)
-        >>> odometry, _ = odometry.update(WheelSample(0, rates=(4.0, 4.0)), now_ns=0)
-        >>> odometry.clock_stepped(5_000_000_000).predict(7_000_000_000).pose.x
-        1.0
-
-        """
-        return self._replace(wheels=self.wheels.clock_stepped(step_ns))
 
 
 def _absurd(name: str, wheels: WheelPair) -> ValueError:

@@ -19,7 +19,7 @@ The pose at a time is one exact arc from the anchor, so publishing neither accum
 anything.
 """
 
-from typing import NamedTuple, Optional, Tuple
+from typing import NamedTuple, Optional, Tuple, TypeVar
 
 from diffdrive_kinematics.core.kinematics import (
     displacement, Pose, travel_from_angles, twist_from_wheel_rates, WheelGeometry)
@@ -33,6 +33,8 @@ from diffdrive_kinematics.core.odometry.wheel_sample import WheelPair, ZERO
 from diffdrive_kinematics.core.odometry.wheel_track import WheelTrack
 
 __all__ = ['BaseState', 'OdometryState']
+
+State = TypeVar('State', bound='OdometryState')
 
 
 class BaseState(NamedTuple):
@@ -177,6 +179,27 @@ class OdometryState(NamedTuple):
         angle = self.wheels.angle_at(time_ns)
         return self.anchor.covariance if angle == ZERO else self._covariance_after(
             self.anchor, angle)
+
+    def clock_stepped(self: State, step_ns: int) -> State:
+        """
+        Return the odometry as it reads after the own clock was stepped, and with it theirs.
+
+        Parameters
+        ----------
+        step_ns : int
+            By how much the clock was stepped [ns].
+
+        Returns
+        -------
+        OdometryState
+            The odometry with its times moved; those of a clock that is another one stay.
+
+        Examples
+        --------
+        See :class:`.WheelState`.
+
+        """
+        return self._replace(wheels=self.wheels.clock_stepped(step_ns))
 
     def _covariance_after(self, anchor: Anchor, angle: WheelPair) -> PoseCovariance:
         """Return the covariance after the wheels rolled by an angle [rad] from an anchor."""

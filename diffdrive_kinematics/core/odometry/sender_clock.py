@@ -25,36 +25,24 @@ what the message took.  The least latency is the offset, but for the fastest mes
 * A clock that is within the tolerance is the own one, and its stamps are taken as they are.
 """
 
-from typing import NamedTuple, Optional, Tuple
+from typing import Tuple
+
+from diffdrive_kinematics.core.odometry.clock_offset import ClockOffset, FEWEST, PATIENCE_NS
 
 __all__ = ['SenderClock']
 
-PATIENCE_NS = 1_000_000_000
-FEWEST = 5  # messages to judge by
 DRIFT = 100  # the least latency may rise by one part of so many
 HYSTERESIS = 10  # clocks that were apart agree again within one part in so many of the tolerance
 
 
-class SenderClock(NamedTuple):
+class SenderClock(ClockOffset):
     """
     What is known of a sender's clock; a value: :meth:`observed` returns a new one.
 
     Parameters
     ----------
-    tolerance_ns : int
-        Difference [ns] up to which the clock is the own one.
-    apart : bool
-        Whether the clock is another one, by what was heard so far.
-    least_ns : int or None
-        The least latency [ns]; None: nothing was heard.
-    stamp_ns, arrival_ns : int
-        Of the last message that taught something [ns].
-    messages, since_ns : int
-        How many messages have come since the clock is apart, and when [ns] the first one came.
-    late, late_since_ns, late_least_ns : int
-        How many messages in a row came late, when [ns] the first did, and the least latency [ns].
-    low_ns, high_ns : int
-        Latencies [ns] from one to the other teach nothing; there are some where clocks agree.
+    *fields
+        Those of :class:`.ClockOffset`.
 
     Examples
     --------
@@ -70,94 +58,7 @@ class SenderClock(NamedTuple):
 
     """
 
-    tolerance_ns: int
-    apart: bool = False
-    least_ns: Optional[int] = None
-    stamp_ns: int = 0
-    arrival_ns: int = 0
-    messages: int = 0
-    since_ns: int = 0
-    late: int = 0
-    late_since_ns: int = 0
-    late_least_ns: int = 0
-    low_ns: int = 0
-    high_ns: int = -1
-
-    @property
-    def offset_ns(self) -> int:
-        """Return what [ns] to add to stamps for the time on the own clock; 0: they agree."""
-        return self.least_ns or 0 if self.apart else 0
-
-    @property
-    def differs(self) -> bool:
-        """Return whether the clock is another one, and steadily so."""
-        return (self.apart and self.messages >= FEWEST
-                and self.arrival_ns - self.since_ns >= PATIENCE_NS)
-
-    def own_ns(self, stamp_ns: int) -> int:
-        """
-        Return the time on the own clock of a stamp.
-
-        Parameters
-        ----------
-        stamp_ns : int
-            The stamp [ns].
-
-        Returns
-        -------
-        int
-            The time [ns].
-
-        Examples
-        --------
-        See :class:`SenderClock`.
-
-        """
-        return stamp_ns + self.offset_ns
-
-    def theirs_ns(self, time_ns: int) -> int:
-        """
-        Return the time on the sender's clock when the own clock shows another.
-
-        Parameters
-        ----------
-        time_ns : int
-            The time on the own clock [ns].
-
-        Returns
-        -------
-        int
-            The time on the sender's clock [ns].
-
-        Examples
-        --------
-        See :class:`SenderClock`.
-
-        """
-        return time_ns - (self.least_ns or 0) if self.apart else time_ns
-
-    def delay_ns(self, stamp_ns: int, arrival_ns: int) -> int:
-        """
-        Return how much later than the fastest ones a message came, whatever the clock.
-
-        Parameters
-        ----------
-        stamp_ns : int
-            Its stamp [ns].
-        arrival_ns : int
-            When it came [ns], on the own clock.
-
-        Returns
-        -------
-        int
-            The delay [ns].
-
-        Examples
-        --------
-        See :class:`SenderClock`.
-
-        """
-        return arrival_ns - stamp_ns - (self.least_ns or 0)
+    __slots__ = ()
 
     def observed(self, stamp_ns: int, arrival_ns: int) -> 'SenderClock':
         """

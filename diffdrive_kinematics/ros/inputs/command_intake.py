@@ -22,6 +22,7 @@ from diffdrive_kinematics.core.commands import STILL, Twist
 from diffdrive_kinematics.core.kinematics import NANOSECONDS
 from diffdrive_kinematics.core.odometry import SenderClocks
 from diffdrive_kinematics.ros.messages.codec import CommandReader
+from diffdrive_kinematics.ros.runtime.rclpy_private import taker_of
 from rclpy.subscription import Subscription
 
 __all__ = ['Backlog', 'CommandIntake', 'LATE_NS']
@@ -63,6 +64,11 @@ class CommandIntake:
         self._obeyed_ns = BEFORE_ALL_NS
         self._clocks, self._on_own_clock = SenderClocks(0), True
         self.configure(values)
+        if 0.0 < values['cmd_vel_timeout'] < values['stamp_tolerance']:
+            node.get_logger().warning(
+                f"stamp_tolerance is {values['stamp_tolerance']!r} and cmd_vel_timeout "
+                f"{values['cmd_vel_timeout']!r}: a command that is older than the timeout when it "
+                'comes is over at once')
 
     def configure(self, values: Mapping[str, Any]) -> None:
         """Judge by other values from now on."""
@@ -78,13 +84,12 @@ class CommandIntake:
             self._on_own_clock = True
 
     def alive(
-            self, message: bytes, now_ns: int, sent: Optional[Mapping[str, Any]]
-    ) -> Optional[Tuple[Twist, int, int, int]]:
+            self, message: bytes, now_ns: int, sent_ns: int = 0
+    ) -> Optional[Tuple[Twist, int, int]]:
         """
         Return the command of a serialised message, or None for one that is refused.
 
-        It is the twist, the time from which it holds, its age, and its own stamp on the clock of
-        the controller, 0 where it has none; times in ns.
+        It is the twist, the time [ns] from which it holds, and its age [ns].
 
         Parameters
         ----------
@@ -92,8 +97,8 @@ class CommandIntake:
             A serialised Twist, or TwistStamped.
         now_ns : int
             Time of arrival [ns].
-        sent : mapping or None
-            What the middleware knows of it; None: it has just been sent.
+        sent_ns : int
+            When its sender sent it [ns], on its wall clock; 0: unknown, or just now.
 
         """
         own_ns, v, w = self._reader.decode(message)
@@ -109,7 +114,7 @@ class CommandIntake:
                 return self._refused(
                     f'is stamped {(self._obeyed_ns - own_ns) / NANOSECONDS:.3f} s before the last '
                     'one obeyed', hint)
-        if sent is not None and self._looks_at_sending and (sent_ns := sent['source_timestamp']):
+        if sent_ns and self._looks_at_sending:
             latency_ns = time.time_ns() - sent_ns
             if not (self._on_own_clock and 0 <= latency_ns < LATE_NS):  # as nearly always
                 if age_ns <= self._oldest_ns:
@@ -121,7 +126,7 @@ class CommandIntake:
                 f"{self._node.config.values['cmd_vel_timeout']!r}", hint)
         if own_ns:
             self._obeyed_ns = max(self._obeyed_ns, min(own_ns, now_ns))
-        return twist, stamp_ns, age_ns, own_ns
+        return twist, stamp_ns, age_ns
 
     def none_before(self, time_ns: int) -> None:
         """Obey no command to move that is stamped before a time [ns]."""
@@ -159,7 +164,7 @@ class Backlog:
     """What lies in the queue of commands when the process goes on after it was held up."""
 
     def __init__(self, subscription: Subscription) -> None:
-        self._subscription = subscription
+        self._taken, self._hand_on = taker_of(subscription), subscription.callback
 
     def hand_on(self, enough: Callable[[], bool], *, wait: bool) -> None:
         """
@@ -168,13 +173,12 @@ class Backlog:
         With ``wait`` what is on its way has a moment to come, unless there is ``enough``: the
         middleware was held up as well.
         """
-        take, kind = self._subscription.handle.take_message, self._subscription.msg_type
         end = time.monotonic() + (GRACE_S if wait else 0.0)
         while True:
             for _ in range(MOST):  # a flood would never end
-                if not (taken := take(kind, True)):
+                if not (taken := self._taken()):
                     break
-                self._subscription.callback(*taken)
+                self._hand_on(*taken)
             if enough() or time.monotonic() >= end:
                 return
             time.sleep(PAUSE_S)

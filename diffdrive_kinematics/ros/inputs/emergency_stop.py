@@ -52,13 +52,13 @@ class EmergencyStop:
         self.engaged = False
         self.ignored = 0
         if topic:
-            node.subscribe(Bool, topic, self._on_topic)
+            node.runtime.listen(Bool, topic, self._on_topic)
             # DDS joins no reader and writer where the reader asks for more: what is latched, or
             # what is reliable.  What is heard twice is the same.
             for profile in (latched(), best_effort()):
                 node.create_subscription(Bool, topic, self._on_topic, profile)
-        node.create_service(Trigger, '~/stop', self._on_stop_service)
-        node.create_service(Trigger, '~/resume', self._on_resume)
+        node.runtime.serve(Trigger, '~/stop', self._on_stop_service)
+        node.runtime.serve(Trigger, '~/resume', self._on_resume)
 
     def ignore(self) -> None:
         """Count a command that is not obeyed."""

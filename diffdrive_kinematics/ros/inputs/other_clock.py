@@ -64,7 +64,7 @@ class StampWatch:
         return [Problem(WARN, self._finding())] if self._clock.differs else []
 
     def _finding(self) -> str:
-        simulated = str(self._node.time_clock.ros_time_is_active).lower()
+        simulated = str(self._node.runtime.clock.ros_time_is_active).lower()
         return (
             f"the stamps on '{self._topic}' are of another clock than this node's: is "
             f'use_sim_time (now {simulated}) set as where they come from?')

@@ -50,9 +50,9 @@ class PublisherWatch:
 
     def __init__(self, node: Any, topic: str, subscription: Subscription, remedy: str) -> None:
         self._node, self._topic, self._remedy = node, topic, remedy
-        self._count_of = subscription.handle.get_publisher_count
+        self._count_of = subscription.get_publisher_count
         self.count, self._trouble = 0, ''
-        node.every(LOOK_RATE, self._look)
+        node.runtime.every(LOOK_RATE, self._look)
 
     def _look(self) -> None:
         count = self._count_of()

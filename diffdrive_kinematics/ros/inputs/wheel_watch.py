@@ -50,10 +50,10 @@ class WheelWatch:
         self._contest, self._silent, self._apart = '', '', ''
         self._disagreements: List[str] = []
         self._left_out = self._told_left_out = self._told_incomplete = 0
-        node.every(LOOK_RATE, self._look)
+        node.runtime.every(LOOK_RATE, self._look)
 
     def _look(self) -> None:
-        now_ns = self._node.now_ns()
+        now_ns = self._node.runtime.now_ns()
         self._look_at_publishers(now_ns)
         self._look_at_missing_joints(now_ns)
         self._look_at_stamps()
@@ -77,7 +77,7 @@ class WheelWatch:
         missing, never = self._gathering.missing()
         if never and self._told_incomplete != self._gathering.incomplete:
             self._told_incomplete = self._gathering.incomplete
-            self._node.refuse(
+            self._node.rejections.refuse(
                 f"message on '{self._topic}': name is {list(self._reader.partial)!r}, only some "
                 f'of our joints, expected also {missing!r}')
         elif not never and not self._silent:

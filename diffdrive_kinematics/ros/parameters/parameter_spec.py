@@ -28,7 +28,7 @@ __all__ = [
     'Check', 'ParameterSpec', 'Kind', 'check_bias', 'check_concentration', 'check_count',
     'check_description', 'check_diagonal', 'check_frame', 'check_horizon', 'check_joint_names',
     'check_named', 'check_offset', 'check_one_of', 'check_optional_picture',
-    'check_optional_seed', 'check_optional_topic', 'check_picture', 'check_pose',
+    'check_optional_seed', 'check_optional_topic', 'check_picture', 'check_port', 'check_pose',
     'check_positive_or_nan', 'check_prefix', 'check_range', 'check_rate_or_off',
     'check_resolution', 'check_seed', 'check_stages', 'check_step', 'check_topic',
     'check_wheel_base', 'check_width', 'check_window', 'string', 'topic']
@@ -96,6 +96,11 @@ def check_offset(name: str, value: float) -> None:
     if not (math.isnan(value) or abs(value) <= MOST_OFFSET):
         raise ValueError(
             f'{name} is {value!r}, expected seconds within +-{MOST_OFFSET:g}, or NaN')
+
+
+def check_port(name: str, value: int) -> None:
+    if not 0 <= value <= 65535:
+        raise ValueError(f'{name} is {value}, expected 0 to 65535')
 
 
 def check_count(name: str, value: int) -> None:

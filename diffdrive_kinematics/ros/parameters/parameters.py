@@ -21,13 +21,12 @@ run time is judged first, without side effects, and applied only after it was ac
 """
 
 from dataclasses import dataclass
-import sys
 from typing import (
-    Any, Callable, Collection, Dict, Generic, Iterable, Mapping, Optional, Tuple, TypeVar)
+    Any, Callable, Collection, Dict, Generic, Iterable, Mapping, Optional, Sequence, Tuple,
+    TypeVar)
 
 from diffdrive_kinematics.ros.parameters import tables
 from diffdrive_kinematics.ros.parameters.configuration_error import ConfigurationError
-from diffdrive_kinematics.ros.parameters.overrides import given_overrides
 from diffdrive_kinematics.ros.parameters.parameter_spec import Kind, ParameterSpec
 from diffdrive_kinematics.ros.parameters.qos import PREFIX as QOS_PREFIX
 from diffdrive_kinematics.ros.parameters.sections import doubts, params_files, sections_of
@@ -103,8 +102,12 @@ class ParameterSet(Generic[Config]):
         What the node knows.
     build : callable
         Values by name -> frozen configuration; raises ``ValueError``.
+    given : mapping
+        What was set for the node from outside, by name.
     neighbours : collection of str, optional
         Names of all nodes of the process, where it has several.
+    argv : sequence of str, optional
+        Arguments that name the node's params files.
 
     Raises
     ------
@@ -115,17 +118,17 @@ class ParameterSet(Generic[Config]):
 
     def __init__(
             self, node: Node, table: Tuple[ParameterSpec, ...],
-            build: Callable[[Mapping[str, Any]], Config],
-            neighbours: Collection[str] = ()) -> None:
+            build: Callable[[Mapping[str, Any]], Config], given: Mapping[str, Parameter],
+            neighbours: Collection[str] = (), argv: Sequence[str] = ()) -> None:
         self._node = node
         self._table = {entry.name: entry for entry in table}
         self._build = build
         self._on_change: Optional[Callable[[Config], None]] = None
-        self._report_doubts(neighbours)
+        self._report_doubts(given, neighbours, argv)
         self._judged = self._judge_start()
         node.add_on_set_parameters_callback(self._judge_change)
         node.add_post_set_parameters_callback(self._apply_change)
-        self._report_unknown()
+        self._report_unknown(given)
 
     @property
     def config(self) -> Config:
@@ -145,6 +148,8 @@ class ParameterSet(Generic[Config]):
         values: Dict[str, Any] = {}
         problems = []
         for entry in self._table.values():
+            if self._node.has_parameter(entry.name):  # rclpy declared it, and knows no table
+                self._node.undeclare_parameter(entry.name)
             raw = self._node.declare_parameter(
                 entry.name, entry.default, ParameterDescriptor(
                     description=entry.description, dynamic_typing=True,
@@ -197,17 +202,19 @@ class ParameterSet(Generic[Config]):
         if self._on_change is not None:
             self._on_change(judged.config)
 
-    def _report_doubts(self, neighbours: Collection[str]) -> None:
+    def _report_doubts(
+            self, given: Mapping[str, Parameter], neighbours: Collection[str],
+            argv: Sequence[str]) -> None:
         """Report sections of params files that were probably meant for this node."""
         for doubt in doubts(
-                sections_of(params_files(sys.argv)), self._node.get_fully_qualified_name(),
-                tuple(self._table.values()), given_overrides(self._node), neighbours):
+                sections_of(params_files(argv)), self._node.get_fully_qualified_name(),
+                tuple(self._table.values()), given, neighbours):
             self._node.get_logger().warning(doubt)
 
-    def _report_unknown(self) -> None:
+    def _report_unknown(self, given: Mapping[str, Parameter]) -> None:
         """Report overrides that this node ignores: typos, and what only a peer knows."""
         logger = self._node.get_logger()
-        for name in given_overrides(self._node):
+        for name in given:
             if name in self._table or name in BUILT_IN or name in tables.KNOWN_NAMES:
                 continue
             if name.startswith(QOS_PREFIX):

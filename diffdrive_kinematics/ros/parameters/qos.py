@@ -80,9 +80,9 @@ def latched() -> QoSProfile:
     return QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 
-def best_effort() -> QoSProfile:
+def best_effort(depth: int = 1) -> QoSProfile:
     """Return the profile of a subscription that hears publishers of any kind."""
-    return QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
+    return QoSProfile(depth=depth, reliability=ReliabilityPolicy.BEST_EFFORT)
 
 
 def overrides_from(parameters: Mapping[str, Any]) -> Dict[Tuple[str, str], Tuple[Override, ...]]:

@@ -47,8 +47,8 @@ class PathPublisher:
         self._message = PathCodec(frame_id, values['path_length'])
         self._last: Optional[Pose] = None
         self._told_to = 0
-        self._publisher = node.publisher(Path, values['path_topic'])
-        node.every(values['path_rate'], self._publish)
+        self._publisher = node.runtime.publish(Path, values['path_topic'])
+        node.runtime.every(values['path_rate'], self._publish)
 
     def begin_anew(self) -> None:
         """Forget the way so far: a robot that was put elsewhere did not drive there."""

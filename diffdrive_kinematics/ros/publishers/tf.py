@@ -59,7 +59,7 @@ class TransformPublisher:
                 f'set {switch} to false to do without')
             return
         self._message = TransformCodec('', '')
-        self._publisher = node.publisher(TFMessage, '/tf')
+        self._publisher = node.runtime.publish(TFMessage, '/tf')
 
     def __bool__(self) -> bool:
         """Return whether tf2_msgs is there."""

@@ -16,15 +16,23 @@ Wakes an executor that waits on a wall clock which was stepped back.
 
 A wait of the middleware is for a time on the steady clock.  Where its C++ library was built for a
 glibc before 2.30, as in wheels for pip, it waits for that time on the wall clock instead: one that
-is stepped back by an hour would hold up timers, and the end of a command, for an hour.
+is stepped back by an hour would hold up timers, and the end of a command, for an hour.  Elsewhere
+there is nothing to guard.
 """
 
+from functools import lru_cache
+import mmap
+from pathlib import Path
+import re
 import threading
 import time
 
 from rclpy.executors import Executor
 
-__all__ = ['ClockStepGuard']
+__all__ = ['ClockStepGuard', 'waits_on_wall_clock']
+
+WAITING_LIBRARIES = re.compile(r'/[^/]*(rmw|_rclpy)[^/]*\.so[^/]*$')
+ON_WALL_CLOCK, ON_STEADY_CLOCK = b'pthread_cond_timedwait', b'pthread_cond_clockwait'
 
 LOOK_PERIOD_S = 0.2
 STEP_NS = 100_000_000  # less than that does not hold up much
@@ -36,15 +44,18 @@ class ClockStepGuard:
     def __init__(self, executor: Executor) -> None:
         self._executor = executor
         self._over = False
-        self._thread = threading.Thread(target=self._look, daemon=True)
+        self._thread = (
+            threading.Thread(target=self._look, daemon=True) if _is_needed() else None)
 
     def __enter__(self) -> 'ClockStepGuard':
-        self._thread.start()
+        if self._thread:
+            self._thread.start()
         return self
 
     def __exit__(self, *_: object) -> None:
         self._over = True
-        self._thread.join()
+        if self._thread:
+            self._thread.join()
 
     def _look(self) -> None:
         """Compare the clocks now and then; a sleep is not held up, unlike a wait."""
@@ -54,6 +65,23 @@ class ClockStepGuard:
             before, difference = difference, _difference()
             if difference < before - STEP_NS:
                 self._executor.create_task(_go_on)
+
+
+def waits_on_wall_clock(library: Path) -> bool:
+    """Return whether a library names the old wait and not the one for the steady clock."""
+    with library.open('rb') as file, mmap.mmap(file.fileno(), 0, prot=mmap.PROT_READ) as data:
+        return data.find(ON_WALL_CLOCK) >= 0 and data.find(ON_STEADY_CLOCK) < 0
+
+
+@lru_cache(maxsize=None)
+def _is_needed() -> bool:
+    """Return whether rclpy or the middleware of this process waits on the wall clock."""
+    try:
+        files = {line.split()[-1] for line in Path('/proc/self/maps').read_text().splitlines()
+                 if WAITING_LIBRARIES.search(line)}
+        return any(waits_on_wall_clock(Path(file)) for file in files)
+    except OSError:  # not to be found out
+        return True
 
 
 def _go_on() -> None:

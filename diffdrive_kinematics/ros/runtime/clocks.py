@@ -24,13 +24,14 @@ import time
 from typing import Callable, List, Optional, Tuple
 
 from diffdrive_kinematics.core.kinematics import NANOSECONDS
+from diffdrive_kinematics.ros.runtime.rclpy_private import simulation_of, time_of
 from rclpy.clock import Clock, ROSClock
 from rclpy.clock_type import ClockType
 from rclpy.time import Time
 from rclpy.time_source import TimeSource
 
 __all__ = [
-    'NANOSECONDS', 'SteadyTimers', 'StepWatch', 'SteppedClock', 'Timer', 'clock_ns', 'period_ns']
+    'NANOSECONDS', 'SteadyTimers', 'StepWatch', 'SteppedClock', 'Timer', 'Timers', 'period_ns']
 
 FORWARD_NS = NANOSECONDS  # up to which time may pass that the steady clock does not count
 BACK_NS = 5_000_000  # up to which the two are read apart
@@ -41,11 +42,6 @@ NEVER_NS = 2**63 - 1
 def period_ns(rate: float) -> int:
     """Return the period [ns] of a rate [Hz]."""
     return max(1, round(NANOSECONDS / rate))
-
-
-def clock_ns(clock: Clock) -> int:
-    """Return the time [ns] of a clock, without the objects that ``clock.now()`` makes of it."""
-    return clock.handle.get_now().nanoseconds
 
 
 class Timer:
@@ -177,7 +173,7 @@ class StepWatch:
     """A look at a clock, which notices that it was stepped by comparing it with the steady one."""
 
     def __init__(self, clock: Clock) -> None:
-        self._handle = clock.handle
+        self._now_ns, self._simulated = time_of(clock), simulation_of(clock)
         self._steady_ns: Optional[int] = None
         self._last_ns = 0
 
@@ -188,8 +184,8 @@ class StepWatch:
         A clock that is set back is a step, however little: what is to end would go on for longer.
         Simulated time has a pace of its own: there only a jump back counts.
         """
-        if self._handle.get_ros_time_override_is_enabled():
-            now_ns = self._handle.get_now().nanoseconds
+        if self._simulated():
+            now_ns = self._now_ns()
             step, self._steady_ns = min(0, now_ns - self._last_ns), None
         else:
             now_ns, steady_ns = time.time_ns(), time.monotonic_ns()

@@ -85,8 +85,8 @@ class MessageStatistics:
         self.last_ns += step_ns
 
     def age(self, now_ns: int) -> Optional[float]:
-        """Return the time [s] since the last message; None where there was none."""
-        return (now_ns - self.last_ns) / NANOSECONDS if self.count else None
+        """Return the time [s] since the last message; None: none came since time began."""
+        return (now_ns - self.last_ns) / NANOSECONDS if self.count and self.last_ns else None
 
 
 def heard_values(heard: MessageStatistics, now_ns: int, what: str) -> Dict[str, Any]:

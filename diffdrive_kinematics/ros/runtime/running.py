@@ -17,7 +17,7 @@ The executor of the package, and how an executable runs and ends.
 
 ``EventsExecutor`` costs half of ``SingleThreadedExecutor`` per callback, and exists since rclpy
 7.1.4.  It must be driven with a finite timeout: without one it can busy-wait and starve its
-callbacks.  Where it is missing, SingleThreadedExecutor takes its place.
+callbacks.
 """
 
 import gc
@@ -25,9 +25,10 @@ import os
 import signal
 import sys
 import time
-from typing import Callable, Iterable, List, Optional
+from typing import Callable, List, Optional, Sequence
 
 from diffdrive_kinematics.ros.parameters.parameters import ConfigurationError
+from diffdrive_kinematics.ros.runtime import rclpy_private
 from diffdrive_kinematics.ros.runtime.clock_step_guard import ClockStepGuard
 from diffdrive_kinematics.ros.runtime.clocks import SteadyTimers
 from diffdrive_kinematics.ros.runtime.logs import check_log_directory, with_remedy
@@ -36,7 +37,6 @@ from diffdrive_kinematics.ros.runtime.output import complain, open_stderr
 import rclpy
 from rclpy.exceptions import NameValidationException
 from rclpy.executors import Executor, ExternalShutdownException, SingleThreadedExecutor
-from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.signals import SignalHandlerOptions
 
 __all__ = ['Stop', 'finish', 'main_of', 'make_executor', 'run', 'spin', 'spin_node']
@@ -63,7 +63,7 @@ class Stop:
         self._asked = True
 
 
-def make_executor(nodes: Iterable[DiffDriveNode], kind: str = 'auto') -> Executor:
+def make_executor(nodes: Sequence[DiffDriveNode], kind: str = 'auto') -> Executor:
     """
     Return the executor of the package with nodes added to it.
 
@@ -73,17 +73,13 @@ def make_executor(nodes: Iterable[DiffDriveNode], kind: str = 'auto') -> Executo
         If the kind is 'events' and this rclpy has no EventsExecutor.
 
     """
-    executor = None
-    if kind != 'single_threaded':
-        try:
-            from rclpy.experimental import EventsExecutor
-            executor = EventsExecutor()
-        except ImportError as error:
-            if kind == 'events':
-                raise ConfigurationError(
-                    "executor is 'events', and this rclpy has none (it came with rclpy 7.1.4): "
-                    "update ROS 2 Jazzy, or leave it at 'auto'") from error
-    executor = executor or SingleThreadedExecutor()
+    events = rclpy_private.EVENTS_EXECUTOR
+    if kind == 'events' and not events:
+        raise ConfigurationError(
+            "executor is 'events', and this rclpy has none (it came with rclpy 7.1.4): update "
+            "ROS 2 Jazzy, or leave it at 'auto'")
+    make = events if events and kind != 'single_threaded' else SingleThreadedExecutor
+    executor = make(context=nodes[0].context)
     for node in nodes:
         executor.add_node(node)
     return executor
@@ -121,12 +117,14 @@ def run(work: Callable[[Stop], int], args: Optional[List[str]] = None) -> int:
     try:
         check_log_directory(os.environ, sys.argv if args is None else args)
         rclpy.init(args=args, signal_handler_options=SignalHandlerOptions.NO)
+        if lacking := rclpy_private.missing():
+            rclpy.logging.get_logger('diffdrive_kinematics').info(lacking)
         return work(stop)
-    except rclpy_implementation.UnknownROSArgsError as error:
+    except rclpy_private.UnknownROSArgsError as error:
         complain(f'diffdrive_kinematics: the arguments {error} follow --ros-args and mean nothing '
                  'there, expected -p NAME:=VALUE (in quotes where it has blanks) or an option')
         return CONFIGURATION_ERROR
-    except (rclpy_implementation.RCLError, NameValidationException) as error:
+    except (rclpy_private.RCLError, NameValidationException) as error:
         complain(f'diffdrive_kinematics: {with_remedy(str(error))}')
         return CONFIGURATION_ERROR
     except ConfigurationError as error:
@@ -140,7 +138,7 @@ def run(work: Callable[[Stop], int], args: Optional[List[str]] = None) -> int:
         rclpy.try_shutdown()
 
 
-def finish(nodes: Iterable[DiffDriveNode], executor: Executor) -> None:
+def finish(nodes: Sequence[DiffDriveNode], executor: Executor) -> None:
     """Let every node say its last word, then end the executor."""
     for node in nodes:
         node.close()
@@ -151,7 +149,7 @@ def spin_node(node: DiffDriveNode, timers: SteadyTimers, stop: Stop) -> None:
     """Spin one node until it is done or asked to stop, and let it say its last word."""
     executor = make_executor([node], node.parameters.values['executor'])
     try:
-        spin(executor, timers, lambda: node.done, stop, needs_wakeup=node.needs_wakeup)
+        spin(executor, timers, lambda: node.done, stop, needs_wakeup=node.runtime.needs_wakeup)
     finally:
         finish([node], executor)
 

@@ -69,7 +69,7 @@ class SimClockDriver:
         self._node, self._members = node, members
         self._stepped, self._in_flight = stepped, in_flight
         self._step_ns, self._factor = step_ns, real_time_factor
-        self._publisher = node.publisher(Clock, '/clock', reliable(1))
+        self._publisher = node.runtime.publish(Clock, '/clock', reliable(1))
         self._message = Clock()
         self._steps = 0
         self._began = 0.0

@@ -20,9 +20,10 @@ A clock that stands fires no timer of the node's: what has to be done neverthele
 
 from collections import deque
 import time
-from typing import Any, Deque, List
+from typing import Any, Callable, Deque, List
 
 from diffdrive_kinematics.ros.runtime.diagnostics import Problem, WARN
+from diffdrive_kinematics.ros.runtime.runtime import Runtime
 
 __all__ = ['ClockWatch', 'LOOK_RATE', 'WAITING']
 
@@ -36,20 +37,31 @@ WAITING = 'waiting for /clock, use_sim_time is true'
 
 
 class ClockWatch:
-    """Looks at the clock of a node ten times a second."""
+    """
+    Looks at the clock of a node ten times a second.
 
-    def __init__(self, node: Any) -> None:
-        self._node = node
-        self._shown_ns = node.now_ns()
+    Parameters
+    ----------
+    runtime, logger :
+        Of the node.
+    on_look : callable
+        Called at each look with the time [s] for which the clock has stood.
+
+    """
+
+    def __init__(
+            self, runtime: Runtime, logger: Any, on_look: Callable[[float], None]) -> None:
+        self._runtime, self._logger, self._on_look = runtime, logger, on_look
+        self._shown_ns = runtime.now_ns()
         self._since = self._report_at = time.monotonic()
         self._reported = False
         self._stood_s = 0.0
         self._paces: Deque[float] = deque([0.0] * REMEMBERED, maxlen=REMEMBERED)
-        node.steadily(LOOK_RATE, self._look)
+        runtime.every(LOOK_RATE, self._look, steadily=True)
 
     def stood_s(self) -> float:
         """Return the time [s] on the steady clock since the node's was last seen to move."""
-        now_ns, now = self._node.now_ns(), time.monotonic()
+        now_ns, now = self._runtime.now_ns(), time.monotonic()
         if now_ns != self._shown_ns:
             self._paces.append(self._stood_s)
             self._shown_ns, self._since, self._reported = now_ns, now, False
@@ -77,11 +89,11 @@ class ClockWatch:
         if not self._shown_ns:
             if time.monotonic() >= self._report_at + REPORT_PERIOD_S:
                 self._report_at += REPORT_PERIOD_S
-                self._node.get_logger().warning(WAITING)
+                self._logger.warning(WAITING)
         elif stood_s > REPORT_PERIOD_S and not self._reported:
             self._reported = True
-            self._node.get_logger().warning(self._standing(stood_s))
-        self._node.on_clock_look(stood_s)
+            self._logger.warning(self._standing(stood_s))
+        self._on_look(stood_s)
 
     def _standing(self, stood_s: float) -> str:
         return (f'/clock stands at {self._shown_ns / 1e9:.3f} s for {stood_s:.1f} s now, '

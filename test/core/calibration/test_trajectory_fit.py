@@ -211,6 +211,14 @@ def test_a_constant_course_does_not_tell_the_time():
         fit_trajectory(GEOMETRY, [steady])
 
 
+def test_each_step_of_the_search_is_told_and_kept():
+    told = []
+    fit = fit_trajectory(GEOMETRY, [drive(0)], watch=told.append)
+    assert fit.trace == tuple(told[:len(fit.trace)])  # then the wheels as given are fitted
+    assert len(fit.trace) > 8
+    assert fit.trace[-1].step < 0.02 < fit.trace[0].step
+
+
 def test_bad_requests_are_refused():
     with pytest.raises(ValueError, match='drives is empty'):
         fit_trajectory(GEOMETRY, [])

@@ -19,7 +19,7 @@ from pathlib import Path
 
 from diffdrive_kinematics.nodes.simulated_base import SimulatedBase
 from diffdrive_kinematics.ros.parameters.configuration_error import ConfigurationError
-from diffdrive_kinematics.ros.parameters.overrides import given_overrides
+from diffdrive_kinematics.ros.runtime.rclpy_private import given_overrides
 import pytest
 import rclpy
 from rclpy.node import Node

@@ -18,7 +18,7 @@ from contextlib import contextmanager
 import time
 
 from diffdrive_kinematics.nodes.simulated_base import SimulatedBase
-from diffdrive_kinematics.ros.runtime import node as node_module
+from diffdrive_kinematics.ros.runtime import runtimes
 from diffdrive_kinematics.ros.runtime.clocks import SteadyTimers
 from diffdrive_kinematics.ros.runtime.polling import QUEUE_DEPTH
 from diffdrive_kinematics.ros.runtime.running import make_executor
@@ -81,7 +81,7 @@ def assert_hears_as_it_comes(base):
     for count in (1, 2, 3):
         base.publish(float(count), 0.0)
         base.spin_until(
-            lambda count=count: base.node.statistics.count == count, f'message {count}')
+            lambda count=count: base.node.health.statistics.count == count, f'message {count}')
 
 
 def test_what_comes_between_ticks_that_are_rare_is_all_taken():
@@ -93,10 +93,10 @@ def test_what_comes_between_ticks_that_are_rare_is_all_taken():
             base.publish(float(number), -1.0, start + number * 10**6)
             rolled += number * 1e-3
         deadline = time.monotonic() + DEADLINE_S
-        while base.node.statistics.count < 90:
+        while base.node.health.statistics.count < 90:
             assert time.monotonic() < deadline
             base.timers.fire_due()
-        assert base.node.sent == 0  # no tick has taken them
+        assert base.node.health.sent == 0  # no tick has taken them
         odometry = base.node._odometry  # it takes these stamps for those of another clock
         reading = odometry.predict(odometry.clock.own_ns(start + 90 * 10**6))
         assert reading.angles == pytest.approx((rolled, -0.09), rel=1e-12)
@@ -110,7 +110,7 @@ def test_without_a_stamp_wheel_motion_holds_from_when_it_came_not_from_when_it_w
             base.spin_until(lambda count=number + 1: len(base.heard) == count, 'the message')
             heard_ns.append(time.time_ns())
         base.node._wheel_motion.take()
-        assert base.node.statistics.count == 20
+        assert base.node.health.statistics.count == 20
         least, most = heard_ns[-1] - heard_ns[0], time.time_ns() - begun
         assert 0.5e-9 * least < base.node._odometry.wheels.right.value < 1e-9 * most
 
@@ -125,12 +125,12 @@ def test_wheel_motion_is_heard_when_the_base_is_asked_where_it_is():
 def test_a_queue_of_the_users_is_not_left_to_fill_until_the_next_tick(policy, value):
     with base_with({OVERRIDE + policy: value, 'publish_rate': 1.0}) as base:
         assert_hears_as_it_comes(base)
-        assert base.node.needs_wakeup
+        assert base.node.runtime.needs_wakeup
 
 
 def test_other_policies_leave_the_base_to_look_by_itself():
     with base_with({OVERRIDE + 'reliability': 'best_effort'}) as base:
-        assert not base.node.needs_wakeup
+        assert not base.node.runtime.needs_wakeup
         assert not [each for each in base.node.subscriptions if each.topic_name == '/wheel_rates']
 
 
@@ -138,7 +138,7 @@ def test_a_middleware_that_does_not_note_the_time_of_arrival_hands_messages_on_a
         monkeypatch):
     """A message with a zero stamp holds from its arrival on, not from when it was looked at."""
     monkeypatch.setattr(
-        node_module, 'get_rmw_implementation_identifier', lambda: 'rmw_cyclonedds_cpp')
+        runtimes, 'get_rmw_implementation_identifier', lambda: 'rmw_cyclonedds_cpp')
     with base_with({}) as base:
         assert_hears_as_it_comes(base)
 

@@ -1,0 +1,131 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""How a trajectory fit is set up: its parameters, its windows, and whether there are enough."""
+
+import enum
+import math
+from typing import List, Optional, Sequence
+
+from diffdrive_kinematics.core.calibration.calibration_parameters import (
+    CalibrationParameters, FRAME, NAMES, WHEELS)
+from diffdrive_kinematics.core.calibration.fit_problem import Column, Problem
+from diffdrive_kinematics.core.calibration.recorded_drive import RecordedDrive
+from diffdrive_kinematics.core.calibration.trajectory_windows import Windows, windows_between
+from diffdrive_kinematics.core.kinematics import check_finite, Pose, WheelGeometry
+
+__all__ = ['Clock', 'NO_FRAME', 'problem_of']
+
+NO_FRAME = Pose(0.0, 0.0, 0.0)
+
+
+class Clock(enum.Enum):
+    """
+    What is fitted of the time between wheels and reference.
+
+    Examples
+    --------
+    >>> Clock.DELAY.value
+    'one delay for all drives'
+
+    """
+
+    NONE = 'none'
+    DELAY = 'one delay for all drives'
+    OFFSETS = 'an offset for each drive'
+    DRIFTS = 'an offset and a drift for each drive'
+
+
+def problem_of(
+        geometry: WheelGeometry, drives: Sequence[RecordedDrive], *, wheels: bool, clock: Clock,
+        frame: Optional[Pose], windows: Windows) -> Problem:
+    """
+    Return what is fitted to what.
+
+    Parameters
+    ----------
+    geometry : WheelGeometry
+        Where the fit starts.
+    drives : sequence of RecordedDrive
+        Drives of one robot.
+    wheels : bool
+        Fit the wheels.
+    clock : Clock
+        What is fitted of the time.
+    frame : Pose or None
+        Pose of the reference's frame on the robot; None: fit it.
+    windows : Windows
+        Which windows are fitted.
+
+    Returns
+    -------
+    Problem
+        Parameters and windows.
+
+    Raises
+    ------
+    ValueError
+        If there is no drive, nothing to fit, a frame that is not finite, no common time, or too
+        few windows.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from diffdrive_kinematics.core.calibration import drive_from_rates
+    >>> stamps = np.arange(20.0)
+    >>> drive = drive_from_rates(stamps, np.full((20, 2), 8.0), stamps, np.zeros((20, 3)))
+    >>> problem = problem_of(
+    ...     WheelGeometry(0.5, 0.125), [drive], wheels=False, clock=Clock.OFFSETS, frame=None,
+    ...     windows=Windows())
+    >>> [each.name for each in problem.columns]
+    ['frame_x', 'frame_y', 'frame_yaw', 'offset of drive 1']
+
+    """
+    if not drives:
+        raise ValueError('drives is empty, expected at least one drive')
+    columns = _columns(len(drives), wheels, clock, frame is None)
+    if not columns:
+        raise ValueError('wheels, frame and clock are all given, expected something to fit')
+    held = [check_finite('frame', float(value)) for value in frame or NO_FRAME]
+    for n, drive in enumerate(drives):
+        wheel, seen = drive.time, drive.reference_time
+        if seen[-1] <= wheel[0] or wheel[-1] <= seen[0]:
+            raise ValueError(
+                f'drive {n + 1} has wheels from {wheel[0]:.3f} to {wheel[-1]:.3f} s and a '
+                f'reference from {seen[0]:.3f} to {seen[-1]:.3f} s, expected stamps of the same '
+                'time')
+    chosen = tuple(windows_between(drive, windows.lengths, windows.every, windows.tolerance)
+                   for drive in drives)
+    number = sum(len(each.start) for each in chosen)
+    if 3 * number < 2 * len(columns) + 6:
+        raise ValueError(
+            f'there are {number} windows with motion and a reference at both ends for '
+            f'{len(columns)} parameters ({sum(each.in_gaps for each in chosen)} in gaps), '
+            f'expected at least {math.ceil(2 * len(columns) / 3) + 2}')
+    start = CalibrationParameters(x=held[0], y=held[1], yaw=held[2])
+    return Problem(geometry, tuple(drives), chosen, tuple(columns), start, windows.trust)
+
+
+def _columns(drives: int, wheels: bool, clock: Clock, frame: bool) -> List[Column]:
+    """Return the parameters of a fit."""
+    columns = [Column(NAMES[field], field, None)
+               for field in ((*WHEELS,) if wheels else ()) + ((*FRAME,) if frame else ())]
+    if clock is Clock.DELAY:
+        columns.append(Column('delay', 'offset', None))
+    elif clock is not Clock.NONE:
+        for n in range(drives):
+            columns.append(Column(f'offset of drive {n + 1}', 'offset', n))
+            if clock is Clock.DRIFTS:
+                columns.append(Column(f'drift of drive {n + 1}', 'drift', n))
+    return columns

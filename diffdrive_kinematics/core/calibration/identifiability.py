@@ -1,0 +1,94 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""What a course, or a fit, does not tell is refused: it is named, with what was expected."""
+
+from dataclasses import replace
+
+from diffdrive_kinematics.core.calibration.calibration_parameters import CalibrationParameters
+from diffdrive_kinematics.core.calibration.fit_state import FitState
+from diffdrive_kinematics.core.calibration.window_weights import Variances
+import numpy as np
+
+__all__ = ['SAME_DRIVE', 'refuse_unidentified']
+
+LARGEST_ERROR = CalibrationParameters(
+    left=0.1, right=0.1, separation=0.1, x=0.05, y=0.05, yaw=0.2, offset=0.5, drift=0.1)
+"""Standard error from which a field counts as not identified; frame x and y: in separations."""
+FINEST = Variances(1e-8, 1e-8, 1e-8)
+"""Least slip and noise (0.1 mm, 0.1 mrad) with which identifiability is judged."""
+
+SAME_DRIVE = 'expected m and rad, the left wheel first, forward positive, and one time'
+"""What wheels and reference that do not agree may lack."""
+
+
+def refuse_unidentified(state: FitState, *, course: bool = False) -> None:
+    """
+    Raise where the standard error of a parameter is as large as the parameter may be.
+
+    The prior of that size keeps the matrix regular; where it alone tells the standard error, the
+    data say nothing.
+
+    Parameters
+    ----------
+    state : FitState
+        Where the fit stands.
+    course : bool
+        Judge what the course would tell (see :meth:`.Problem.as_the_wheels_tell`), instead of
+        what the reference does.
+
+    Raises
+    ------
+    ValueError
+        If there is such a parameter; it is named.
+
+    Examples
+    --------
+    A straight drive says nothing about the separation:
+
+    >>> from diffdrive_kinematics.core.calibration import (
+    ...     Clock, drive_from_rates, NO_FRAME, Windows)
+    >>> from diffdrive_kinematics.core.calibration.fit_setup import problem_of
+    >>> from diffdrive_kinematics.core.kinematics import WheelGeometry
+    >>> stamps = np.arange(20.0)
+    >>> drive = drive_from_rates(stamps, np.full((20, 2), 8.0), stamps, np.zeros((20, 3)))
+    >>> problem = problem_of(
+    ...     WheelGeometry(0.5, 0.125), [drive], wheels=True, clock=Clock.NONE, frame=NO_FRAME,
+    ...     windows=Windows()).as_the_wheels_tell()
+    >>> windows = len(problem.windows[0].start)
+    >>> state = FitState.at(
+    ...     problem, problem.initial(), np.ones(windows), Variances(1e-6, 1e-6, 1e-6))
+    >>> refuse_unidentified(state, course=True)  # doctest: +ELLIPSIS
+    Traceback (most recent call last):
+    ...
+    ValueError: the data do not identify wheel_separation_multiplier (standard error over 0.1), ...
+
+    """
+    columns, problem = state.problem.columns, state.problem
+    usual = Variances(*(max(pair) for pair in zip(state.variances, FINEST)))
+    limit = np.array([getattr(LARGEST_ERROR, each.field) for each in columns])
+    limit *= [problem.geometry.separation if each.field in ('x', 'y') else 1.0
+              for each in columns]
+    information, _ = replace(state, variances=usual).normal_equations()
+    scaled = information * np.outer(limit, limit) + 1e-4 * np.eye(len(limit))
+    errors = limit * np.sqrt(np.diag(np.linalg.inv(scaled)))
+    lost = [n for n, error in enumerate(errors) if error > limit[n]]
+    if lost:
+        said = ', '.join(f'{columns[n].name} (standard error over {limit[n]:.2g})' for n in lost)
+        raise ValueError(
+            f'the data do not identify {said}, expected drives with straights and curves both '
+            f'ways, or these values given'
+            if course else
+            f'wheels and reference do not agree well enough to tell {said}, though the course '
+            f'would: {SAME_DRIVE}')

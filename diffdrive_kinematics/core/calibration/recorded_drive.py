@@ -1,0 +1,144 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""
+What was recorded of one drive: the angles of the wheels, and reference poses beside them.
+
+The reference (motion capture, a tracker, a map) has stamps of its own, on a clock of its own,
+and may have gaps.  Its yaw may come wrapped; it is unwrapped here once, so samples that turn by
+less than half a turn from one to the next are needed.
+"""
+
+from dataclasses import dataclass
+
+from diffdrive_kinematics.core.calibration.recorded_rows import latest_rows
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+__all__ = ['RecordedDrive', 'drive_from_positions']
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class RecordedDrive:
+    """
+    Wheel angles and reference poses of one drive; made by ``drive_from_positions`` and its like.
+
+    Parameters
+    ----------
+    time : numpy.ndarray, shape (n,)
+        Stamps of the wheels [s], strictly increasing.
+    angles : numpy.ndarray, shape (n, 2)
+        Angles (left, right) [rad] that the wheels have rolled so far.
+    reference_time : numpy.ndarray, shape (m,)
+        Stamps of the reference [s], strictly increasing.
+    reference : numpy.ndarray, shape (m, 3)
+        Poses (x [m], y [m], yaw [rad]) of the reference's frame on the robot, yaw unwrapped.
+    duplicates : int
+        Rows, of wheels and reference, that a later row with the same stamp replaced.
+
+    Examples
+    --------
+    >>> drive = drive_from_positions(
+    ...     time=[0.0, 1.0], positions=[[0.0, 0.0], [8.0, 8.0]],
+    ...     reference_time=[0.0, 1.0], reference=[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]])
+    >>> drive.angles.shape, drive.reference.shape, drive.duplicates
+    ((2, 2), (2, 3), 0)
+
+    """
+
+    time: Array
+    angles: Array
+    reference_time: Array
+    reference: Array
+    duplicates: int = 0
+
+    def between(self, start: float, end: float) -> 'RecordedDrive':
+        """
+        Return the part of the drive between two times, both included.
+
+        Parameters
+        ----------
+        start, end : float
+            First and last time [s], of either clock.
+
+        Returns
+        -------
+        RecordedDrive
+            Rows of the wheels and of the reference that lie there.
+
+        Raises
+        ------
+        ValueError
+            If fewer than two rows of the wheels or of the reference lie there.
+
+        Examples
+        --------
+        >>> seconds = np.arange(10.0)
+        >>> drive = drive_from_positions(seconds, np.zeros((10, 2)), seconds, np.zeros((10, 3)))
+        >>> drive.between(2.0, 5.0).time
+        array([2., 3., 4., 5.])
+
+        """
+        wheels = (self.time >= start) & (self.time <= end)
+        seen = (self.reference_time >= start) & (self.reference_time <= end)
+        return drive_from_positions(
+            self.time[wheels], self.angles[wheels], self.reference_time[seen],
+            self.reference[seen])
+
+
+def drive_from_positions(
+        time: ArrayLike, positions: ArrayLike, reference_time: ArrayLike,
+        reference: ArrayLike) -> RecordedDrive:
+    """
+    Return the drive of wheel positions, as of a joint state.
+
+    Of rows with the same stamp the last one wins.
+
+    Parameters
+    ----------
+    time : array_like, shape (n,)
+        Stamps [s], n >= 2, not falling.
+    positions : array_like, shape (n, 2)
+        Wheel angles (left, right) [rad].
+    reference_time : array_like, shape (m,)
+        Stamps [s], m >= 2, not falling.
+    reference : array_like, shape (m, 3)
+        Poses (x [m], y [m], yaw [rad]); yaw may be wrapped.
+
+    Returns
+    -------
+    RecordedDrive
+        Wheels and reference, yaw unwrapped.
+
+    Raises
+    ------
+    ValueError
+        If a shape is another one, a number is not finite, stamps fall, or fewer than two
+        different stamps are left.
+
+    Examples
+    --------
+    >>> drive = drive_from_positions(
+    ...     [0.0, 1.0], [[0.0, 0.0], [0.5, 1.0]],
+    ...     [0.0, 1.0], [[0.0, 0.0, 3.0], [-0.1, 0.0, -3.0]])
+    >>> drive.reference[:, 2].round(3)
+    array([3.   , 3.283])
+
+    """
+    stamps, angles, replaced = latest_rows('time', time, 'positions', positions, 2)
+    seen, poses, unseen = latest_rows('reference_time', reference_time, 'reference', reference, 3)
+    poses[:, 2] = np.unwrap(poses[:, 2])
+    return RecordedDrive(stamps, angles, seen, poses, replaced + unseen)

@@ -1,0 +1,258 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""``web_view``: a page in the browser on which a robot is watched and driven."""
+
+from dataclasses import dataclass
+import math
+import time
+from typing import Any, List, Mapping, Tuple
+
+from diagnostic_msgs.msg import DiagnosticArray
+from diffdrive_kinematics.ros.messages.codec import TwistCodec
+from diffdrive_kinematics.ros.messages.messages import set_stamp
+from diffdrive_kinematics.ros.parameters.parameters import ConfigurationError
+from diffdrive_kinematics.ros.parameters.tables import WEB_VIEW
+from diffdrive_kinematics.ros.runtime.diagnostics import RateSample, Status
+from diffdrive_kinematics.ros.runtime.node import DiffDriveNode
+from diffdrive_kinematics.ros.runtime.running import main_of
+from diffdrive_kinematics.tools.helm import Helm
+from diffdrive_kinematics.tools.page_frame import check_numbers, PageFrame
+from geometry_msgs.msg import PolygonStamped, PoseArray, PoseStamped, Twist, TwistStamped
+from nav_msgs.msg import Odometry, Path
+from rcl_interfaces.srv import GetParameters, SetParameters
+from rclpy.parameter import Parameter
+from rclpy.publisher import Publisher
+from std_srvs.srv import Trigger
+
+LOOPBACK = ('127.0.0.1', 'localhost', '::1')
+ANSWER_S = 1.0  # after which a service is asked again
+SILENCE_S = 0.3  # of a viewer who drives, after which the robot stands
+NOISE = (  # what is set in the noise node: label, range, step
+    ('left_bias', 'left bias', -0.05, 0.05, 0.001),
+    ('right_bias', 'right bias', -0.05, 0.05, 0.001),
+    ('left_slip_variance', 'left slip [m]', 0.0, 1e-4, 1e-6),
+    ('right_slip_variance', 'right slip [m]', 0.0, 1e-4, 1e-6))
+
+
+@dataclass(frozen=True)
+class Config:
+    """What the page shows, and where."""
+
+    values: Mapping[str, Any]
+
+
+class WebView(DiffDriveNode[Config]):
+    """
+    Serves the page; it subscribes to nothing while nobody looks.
+
+    What viewers do is taken up at the rate of the page, by methods ``_do_<name>``.
+    """
+
+    def __init__(self, name: str = 'web_view', **composition: Any) -> None:
+        super().__init__(name, WEB_VIEW, Config, **composition)
+        values = self.config.values
+        self._shown = PageFrame(values['wheel_separation'])
+        self._helm, self._drove = Helm(SILENCE_S), False
+        stamped = values['enable_stamped_cmd_vel']
+        self._message = TwistCodec(values['base_frame_id'] if stamped else None)
+        self._commands = self.publisher(
+            TwistStamped if stamped else Twist, values['cmd_vel_topic'])
+        if values['autonomous_cmd_vel_topic']:
+            self.subscribe(TwistStamped if stamped else Twist,
+                           values['autonomous_cmd_vel_topic'], self._pass_on)
+        self._goals = self.publisher(PoseStamped, values['goal_topic'])
+        self._plans = self.publisher(Path, values['plan_topic'])
+        self._triggers = {
+            name: [self.create_client(Trigger, service) for service in services]
+            for name, services in (
+                ('reset', [f'{node}/reset' for node in values['base_nodes']]),
+                ('stop', [f"{values['controller_node']}/stop"]),
+                ('resume', [f"{values['controller_node']}/resume"]))}
+        noise = values['noise_node']
+        self._noise = (self.create_client(GetParameters, f'{noise}/get_parameters'),
+                       self.create_client(SetParameters, f'{noise}/set_parameters')
+                       ) if noise else None
+        self._heard: List[Any] = []
+        self._noise_is_shown, self._noise_asked_s = False, -ANSWER_S
+        self._page = self._served(values)
+        self.steadily(values['frame_rate'], self._tick)
+
+    def _served(self, values: Mapping[str, Any]) -> Any:
+        """Return the page, or raise ``ConfigurationError`` where it cannot be served."""
+        host, port = values['host'], values['port']
+        try:
+            from diffdrive_kinematics.tools.web_page import Slider, WebPage
+            page = WebPage(
+                f'{self.get_fully_qualified_name()}', host, port,
+                [Slider(*each) for each in NOISE] if self._noise else [],
+                {'separation': values['wheel_separation'], 'radius': values['wheel_radius']})
+        except ImportError as error:
+            raise ConfigurationError(
+                f'{self.get_fully_qualified_name()} refuses to start: {error.name} is missing, '
+                "expected NiceGUI: pip install '.[web]' in a clone of this package, or pip "
+                'install nicegui') from error
+        except OSError as error:
+            raise ConfigurationError(
+                f'{self.get_fully_qualified_name()} refuses to start: host is {host!r} and port '
+                f'is {port}, expected an address to listen on ({error.strerror})') from error
+        if host not in LOOPBACK:
+            self.get_logger().warning(
+                f'host is {host!r}: whoever reaches this address drives the robot')
+        shown = f'[{host}]' if ':' in host else host
+        self.get_logger().info(f'open http://{shown}:{page.port} in a browser')
+        return page
+
+    # What comes in from ROS, while somebody looks.
+
+    def _listen(self) -> None:
+        values = self.config.values
+        self._heard = [
+            self.subscribe(message_type, values[name], callback, needs_wakeup=False)
+            for message_type, name, callback in (
+                (Odometry, 'odom_topic', self._shown.take_belief),
+                (Odometry, 'truth_topic', self._shown.take_truth),
+                (PoseArray, 'poses_topic', self._shown.take_poses),
+                (PolygonStamped, 'boundary_topic', self._shown.take_boundary))
+            if values[name]]
+        self._heard.append(self.create_subscription(
+            DiagnosticArray, '/diagnostics', self._shown.take_diagnostics, 10))
+
+    def _ignore(self) -> None:
+        for subscription in self._heard:
+            self.unsubscribe(subscription)
+        self._heard = []
+
+    def _pass_on(self, message: Any) -> None:
+        if not self._helm.viewer:
+            self._commands.publish(message)
+
+    # What viewers do.
+
+    def _tick(self) -> None:
+        page = self._page
+        while page.actions:
+            action = page.actions.popleft()
+            try:
+                getattr(self, f'_do_{action.name}', self._do_nothing)(action.viewer, action.value)
+            except (TypeError, ValueError) as error:
+                self.refuse(f'{action.name} of a viewer: {error}')
+        self._drive()
+        if bool(page.viewers) != bool(self._heard):
+            self._listen() if page.viewers else self._ignore()
+        if page.viewers:
+            if not self._noise_is_shown and time.monotonic() > self._noise_asked_s + ANSWER_S:
+                self._show_noise()  # again, as an answer may be lost while DDS finds its ends
+            self.sent += 1
+            self._shown.show('driver', self._helm.viewer)
+            page.send(self._shown.taken())
+
+    def _drive(self) -> None:
+        """Publish what the viewer at the helm asks for, and rest once it ends."""
+        self._helm = self._helm.at(time.monotonic())
+        driving = bool(self._helm.viewer)
+        if driving and not self._drove:  # who takes the helm ends what goal_steering does
+            self._plans.publish(Path())
+        if driving or self._drove:
+            self._commands.publish(self._message.encode(self.now_ns(), *self._helm.command))
+        self._drove = driving
+
+    def _do_drive(self, viewer: int, value: Any) -> None:
+        v, w = (max(-1.0, min(1.0, float(part))) for part in value)
+        check_numbers((v, w))
+        values = self.config.values
+        self._helm = self._helm.asked(
+            viewer, (v * values['max_speed'], w * values['max_yaw_rate']), time.monotonic())
+
+    def _do_goal(self, viewer: int, value: Any) -> None:
+        x, y = map(float, value)
+        check_numbers((x, y))
+        belief = self._shown.belief
+        if belief is None:
+            raise ValueError('no odometry has come yet')
+        yaw = math.atan2(y - belief.y, x - belief.x)
+        goal = PoseStamped()
+        goal.header.frame_id = self._shown.frame_id
+        set_stamp(goal.header.stamp, self.now_ns())
+        goal.pose.position.x, goal.pose.position.y = x, y
+        goal.pose.orientation.z, goal.pose.orientation.w = math.sin(yaw / 2), math.cos(yaw / 2)
+        self._goals.publish(goal)
+        self._shown.show('goal', [x, y])
+
+    def _do_set(self, _: int, value: Any) -> None:
+        name, number = value
+        if self._noise is None or name not in {each[0] for each in NOISE}:
+            raise ValueError(f'{name!r}, expected one of {[each[0] for each in NOISE]}')
+        parameter = Parameter(name, Parameter.Type.DOUBLE, float(number))
+        self._noise[1].call_async(SetParameters.Request(
+            parameters=[parameter.to_parameter_msg()])).add_done_callback(self._show_noise)
+
+    def _show_noise(self, _: Any = None) -> None:
+        """Ask the noise node what it is set to, and set the sliders of all viewers."""
+        def show(future: Any) -> None:
+            self._noise_is_shown = True
+            numbers = [value.double_value for value in future.result().values]
+            if len(numbers) == len(names):
+                self._page.show(dict(zip(names, numbers)))
+
+        names = [each[0] for each in NOISE]
+        if self._noise and self._noise[0].service_is_ready():
+            self._noise_asked_s = time.monotonic()
+            self._noise[0].call_async(GetParameters.Request(names=names)).add_done_callback(show)
+
+    def _do_joined(self, viewer: int, value: Any) -> None:
+        self._page.send({'fresh': True})
+        self._shown.again()
+        self._noise_is_shown = False
+
+    def _do_left(self, viewer: int, value: Any) -> None:
+        self._helm = self._helm.left(viewer)
+
+    def _do_stop(self, viewer: int, value: Any) -> None:
+        self._helm = self._helm.left(self._helm.viewer)
+        self._trigger('stop')
+
+    def _do_resume(self, viewer: int, value: Any) -> None:
+        self._trigger('resume')
+
+    def _do_reset(self, viewer: int, value: Any) -> None:
+        self._shown.begin_anew()
+        self._page.send({'fresh': True, 'goal': None})
+        self._trigger('reset')
+
+    def _do_nothing(self, viewer: int, value: Any) -> None:
+        raise ValueError('not known here')
+
+    def _trigger(self, name: str) -> None:
+        for client in self._triggers[name]:
+            client.call_async(Trigger.Request())
+
+    def status(self, look: RateSample) -> Status:
+        """Return who looks and who drives."""
+        return Status({'viewers': self._page.viewers, 'driver': self._helm.viewer,
+                       'frame rate [Hz]': look.rate}, [])
+
+    def final_command(self) -> Tuple[Publisher, ...]:
+        """Leave the robot at rest where a viewer drove it."""
+        self._page.close()
+        if not self._helm.viewer:
+            return ()
+        self._commands.publish(self._message.encode(self.now_ns(), 0.0, 0.0))
+        return (self._commands,)
+
+
+main = main_of(WebView)
+
+if __name__ == '__main__':
+    main()

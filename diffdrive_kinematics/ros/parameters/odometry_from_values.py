@@ -1,0 +1,54 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The odometry of a base from values of its parameters."""
+
+import math
+from typing import Any, Mapping, Optional, Tuple
+
+from diffdrive_kinematics.core.kinematics import Pose, WheelGeometry
+from diffdrive_kinematics.core.noise import (
+    heading_covariance, NO_COVARIANCE, PoseCovariance, sample_heading)
+from diffdrive_kinematics.core.odometry import MeasuredWheels, Odometry, RateWindow, WheelPair
+import numpy as np
+
+__all__ = ['encoder_bound', 'initial_odometry', 'initial_pose']
+
+
+def encoder_bound(values: Mapping[str, Any]) -> float:
+    """Return the wheel rate [rad/s] above which positions have jumped."""
+    bound = values['max_encoder_rate']
+    return math.inf if math.isnan(bound) else bound
+
+
+def initial_pose(values: Mapping[str, Any]) -> Tuple[Pose, PoseCovariance]:
+    """Return the pose to start from and its covariance: a heading that is drawn is certain."""
+    pose = Pose(*values['initial_pose'])
+    concentration, seed = values['initial_heading_concentration'], values['initial_heading_seed']
+    if seed < 0 or math.isnan(concentration):
+        return pose, heading_covariance(concentration)
+    generator = np.random.default_rng(seed)
+    return pose._replace(theta=sample_heading(pose.theta, concentration, generator)), NO_COVARIANCE
+
+
+def initial_odometry(
+        values: Mapping[str, Any], geometry: WheelGeometry, timeout_ns: Optional[int],
+        slip_variances: WheelPair) -> Odometry:
+    """Return the odometry that has heard nothing yet."""
+    pose, covariance = initial_pose(values)
+    return Odometry.starting_at(
+        pose, geometry=geometry, timeout_ns=timeout_ns, slip_variances=slip_variances,
+        covariance=covariance, max_rate=encoder_bound(values), unmeasured=MeasuredWheels(
+            values['extrapolate_positions'],
+            RateWindow(values['velocity_rolling_window_size'])))

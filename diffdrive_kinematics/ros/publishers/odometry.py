@@ -1,0 +1,139 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Odometry of a base, and where its belief's frame is in the world."""
+
+from typing import Any, Mapping, NamedTuple, Optional, Sequence, Tuple, TYPE_CHECKING
+
+from diffdrive_kinematics.core.kinematics import compose, inverse
+from diffdrive_kinematics.core.noise import twist_covariance
+import diffdrive_kinematics.core.odometry as core
+from diffdrive_kinematics.core.odometry import OdometryHistory, WheelPair
+from diffdrive_kinematics.ros.messages.codec import OdometryCodec
+from diffdrive_kinematics.ros.messages.messages import check_stamp, nanoseconds, pose_in_plane
+from diffdrive_kinematics.ros.publishers.tf import frame_prefix, TransformPublisher
+from nav_msgs.msg import Odometry
+
+if TYPE_CHECKING:
+    from diffdrive_kinematics.ros.runtime.node import DiffDriveNode
+
+__all__ = ['BeliefCorrection', 'OdometryPublisher']
+
+
+class _Covariances(NamedTuple):
+    """What the covariances are made of."""
+
+    pose: Sequence[float]  # fixed diagonals; zeros: they come from the slip
+    twist: Sequence[float]
+    floor: float
+    period: float  # in which the twist is measured [s]
+
+    @classmethod
+    def of(cls, values: Mapping[str, Any]) -> '_Covariances':
+        return cls(values['pose_covariance_diagonal'], values['twist_covariance_diagonal'],
+                   values['covariance_floor'], 1.0 / values['publish_rate'])
+
+
+class OdometryPublisher:
+    """
+    Publishes odometry, with fixed diagonals or with the covariance that the slip makes.
+
+    Parameters
+    ----------
+    node : DiffDriveNode
+        That publishes.
+    values : mapping
+        Its parameters.  Without an ``odom_topic`` there is nothing but the frames.
+
+    """
+
+    def __init__(self, node: 'DiffDriveNode[Any]', values: Mapping[str, Any]) -> None:
+        prefix = frame_prefix(values, node.get_namespace())
+        self.frames = prefix + values['odom_frame_id'], prefix + values['base_frame_id']
+        self._message = OdometryCodec(*self.frames)
+        topic = values['odom_topic']
+        self._publisher = node.runtime.publish(Odometry, topic) if topic else None
+        self._covariances = _Covariances.of(values)
+        self._twist_of: Optional[WheelPair] = None  # whose covariance the message has
+        self.configure(values)
+
+    def configure(self, values: Mapping[str, Any]) -> None:
+        """Set what stays: the fixed diagonals, or the floor where nothing is observed."""
+        self._covariances = pose, twist, floor, _ = _Covariances.of(values)
+        self._twist_of = None
+        self._message.set_diagonals(*(
+            diagonal if any(diagonal) else (floor,) * 6 for diagonal in (pose, twist)))
+
+    def publish(self, now_ns: int, reading: core.BaseState, odometry: core.Odometry) -> None:
+        """Publish what a base reads now; slip up to now makes its covariance."""
+        if self._publisher is None:
+            return
+        pose, twist, floor, period = self._covariances
+        if not any(pose):
+            self._message.set_pose_covariance(odometry.covariance_at(now_ns), floor)
+        if not any(twist) and reading.rates != self._twist_of:
+            self._twist_of = reading.rates
+            self._message.set_twist_covariance(twist_covariance(
+                odometry.geometry, reading.rates, *odometry.slip_variances, period, floor))
+        self._publisher.publish(self._message.encode(now_ns, reading))
+
+
+class BeliefCorrection:
+    """
+    Publishes where the frame of the belief is, so that the robot is seen where it really is.
+
+    Parameters
+    ----------
+    frames : pair of str
+        Of the base that knows the truth, and of the robot.
+    transform : TransformPublisher
+        Where to publish it.
+    odometry : Odometry
+        Of the base.
+
+    """
+
+    def __init__(
+            self, frames: Tuple[str, str], transform: TransformPublisher,
+            odometry: core.Odometry) -> None:
+        self._frames, self._transform = frames, transform
+        self._history = OdometryHistory((odometry,))
+
+    def follow(self, odometry: core.Odometry) -> None:
+        """Note how the odometry has gone on."""
+        self._history = self._history.followed(odometry)
+
+    def begin_anew(self, odometry: core.Odometry) -> None:
+        """Forget what was before."""
+        self._history = OdometryHistory((odometry,))
+
+    def publish(self, belief: Odometry) -> None:
+        """Publish what corrects a belief; ``ValueError`` where its stamp or frames are wrong."""
+        own, base = self._frames
+        if belief.child_frame_id != base:
+            raise ValueError(f'child_frame_id is {belief.child_frame_id!r}, expected {base!r}')
+        if belief.header.frame_id in ('', own):
+            raise ValueError(
+                f'frame_id is {belief.header.frame_id!r}, expected another frame than {own!r}')
+        stamp = belief.header.stamp
+        check_stamp(stamp.sec, stamp.nanosec)
+        stamp_ns = nanoseconds(stamp)
+        if not stamp_ns:
+            raise ValueError('stamp is 0, expected the time of the pose')
+        believed = pose_in_plane(belief.pose.pose)
+        if self._history.past[-1].motion is None:
+            return
+        truth = self._history.pose_at(stamp_ns)
+        self._transform.publish(
+            stamp_ns, (own, belief.header.frame_id), compose(truth, inverse(believed)))

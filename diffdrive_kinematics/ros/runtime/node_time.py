@@ -1,0 +1,82 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The clock of a node: the steps that it makes, and whether one that is simulated goes on."""
+
+from typing import Any, Callable, Optional, Tuple
+
+from diffdrive_kinematics.ros.runtime.clocks import StepWatch
+from diffdrive_kinematics.ros.runtime.health import Health
+from diffdrive_kinematics.ros.runtime.runtime import Runtime
+from diffdrive_kinematics.ros.runtime.simulated_clock import ClockWatch
+from rclpy.node import Node
+
+__all__ = ['NodeTime']
+
+
+class NodeTime:
+    """
+    Looks at the clock of a node.
+
+    Parameters
+    ----------
+    node, runtime :
+        Whose clock it is.
+    health : Health
+        It is told of steps.
+    counts : Counter
+        Of the node, for steps.
+    on_clock_look : callable
+        Called ten times a second where time is simulated, with the time [s] it has stood.
+
+    """
+
+    def __init__(
+            self, node: Node, runtime: Runtime, health: Health, counts: Any,
+            on_clock_look: Callable[[float], None]) -> None:
+        self._node, self._runtime, self._health, self._counts = node, runtime, health, counts
+        self._steps = StepWatch(runtime.clock)
+        self._on_clock_look = on_clock_look
+        self._watch: Optional[ClockWatch] = None
+        self._watch_clock(())
+        node.add_post_set_parameters_callback(self._watch_clock)
+
+    def _watch_clock(self, _: object) -> None:
+        """Look at the clock from now on where it is a simulated one."""
+        runtime = self._runtime
+        if not (self._watch or runtime.is_stepped) and runtime.clock.ros_time_is_active:
+            self._watch = self._health.clock = ClockWatch(
+                runtime, self._node.get_logger(), self._on_clock_look)
+
+    def now_and_step(self) -> Tuple[int, int]:
+        """Return the time [ns], and by how much the clock was stepped since the last call."""
+        now_ns, step_ns = self._steps.now_and_step()
+        if step_ns:
+            self._counts['clock steps'] += 1
+            self._health.clock_stepped(step_ns)
+            self._node.get_logger().warning(f'the clock was stepped by {step_ns / 1e9:.3f} s')
+        return now_ns, step_ns
+
+    @property
+    def is_simulated(self) -> bool:
+        """Return whether another process tells the time."""
+        return self._watch is not None
+
+    def waits_for_clock(self) -> bool:
+        """Return whether simulated time has not begun: nothing may move."""
+        return self._watch is not None and not self._runtime.now_ns()
+
+    def clock_stands(self) -> bool:
+        """Return whether a simulated clock has stood for longer than it does as it goes on."""
+        return self._watch is not None and self._watch.stands()

@@ -1,0 +1,210 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""
+What a node may ask of the world, and who answers: the interface, and its plain implementation.
+
+``runtimes.py`` has the two others, and decides which of them a node gets.
+"""
+
+from abc import ABC, abstractmethod
+from typing import Any, Callable, Optional, Sequence
+
+from diffdrive_kinematics.ros.parameters.qos import best_effort as hearing_all
+from diffdrive_kinematics.ros.runtime.clocks import period_ns, Timer
+from diffdrive_kinematics.ros.runtime.endpoints import Endpoints, QUEUE_DEPTH
+from diffdrive_kinematics.ros.runtime.final_command import repeat_until_heard
+from diffdrive_kinematics.ros.runtime.polling import Poll
+from diffdrive_kinematics.ros.runtime.rclpy_private import informing, MessageInfo, time_of
+from diffdrive_kinematics.ros.runtime.rejections import Rejections
+from rclpy.clock import Clock
+from rclpy.clock_type import ClockType
+from rclpy.node import Node
+from rclpy.publisher import Publisher
+from rclpy.qos import QoSProfile
+from rclpy.service import Service
+from rclpy.subscription import Subscription
+
+__all__ = ['PlainRuntime', 'Runtime']
+
+
+class Runtime(ABC):
+    """The time, timers, topics and services of a node."""
+
+    clock: Clock
+    needs_wakeup = False  # whether something comes that cannot wait for a tenth of a second
+    is_stepped = False  # whether time waits until all that was sent is handled
+
+    @abstractmethod
+    def now_ns(self) -> int:
+        """Return the time [ns] on the node's clock."""
+
+    @abstractmethod
+    def every(
+            self, rate: float, callback: Callable[[], None], *, steadily: bool = False) -> Any:
+        """
+        Return a timer that calls back at a rate [Hz]; ``steadily`` although simulated time stands.
+
+        Real time is kept by the steady clock: a wall clock that is stepped back would stall a
+        timer of the node's own clock (rclpy issue 1490).
+        """
+
+    @abstractmethod
+    def stop_timer(self, timer: Any) -> None:
+        """Never let a timer fire again."""
+
+    def retimed(self, timer: Any, rate: float, callback: Callable[[], None]) -> Any:
+        """Return the timer, or one in its place where it has another rate [Hz]."""
+        if timer.timer_period_ns == period_ns(rate):
+            return timer
+        self.stop_timer(timer)
+        return self.every(rate, callback)
+
+    @abstractmethod
+    def publish(
+            self, message_type: type, topic: str,
+            profile: Optional[QoSProfile] = None) -> Publisher:
+        """Return a publisher, reliable where no profile says otherwise."""
+
+    @abstractmethod
+    def listen(
+            self, message_type: type, topic: str, callback: Callable[..., None], *,
+            raw: bool = False, informed: bool = False, best_effort: bool = False,
+            needs_wakeup: bool = True) -> Subscription:
+        """
+        Return a subscription; a ``ValueError`` of the callback refuses the message.
+
+        Parameters
+        ----------
+        message_type, topic, callback :
+            What to hear, and who does.
+        raw : bool
+            Whether the callback gets serialised messages.
+        informed : bool
+            Whether it gets a ``MessageInfo`` as well.
+        best_effort : bool
+            Whether publishers of either kind are heard; else reliable ones.
+        needs_wakeup : bool
+            Whether no message may wait for a tenth of a second (see ``running.spin``).
+
+        """
+
+    @abstractmethod
+    def poll(
+            self, message_type: type, topic: str,
+            callback: Callable[[bytes, MessageInfo], None]) -> Poll:
+        """Return what may let serialised messages wait until it is asked to hand them on."""
+
+    @abstractmethod
+    def unlisten(self, subscription: Subscription) -> None:
+        """End a subscription."""
+
+    @abstractmethod
+    def serve(
+            self, service_type: type, name: str, callback: Callable[[Any, Any], Any]) -> Service:
+        """
+        Return a service; ``callback`` fills in the response to a request and returns it.
+
+        A ``ValueError`` of the callback refuses the request.
+        """
+
+    @abstractmethod
+    def conclude(self, say: Callable[[], Sequence[Publisher]]) -> None:
+        """Have the final command said, and see that it is heard."""
+
+
+class PlainRuntime(Runtime):
+    """
+    rclpy's own timers and callbacks: on real and simulated time, in any executor, by any rmw.
+
+    Parameters
+    ----------
+    node : Node
+        That asks.
+    rejections : Rejections
+        Where what is refused is counted.
+    endpoints : Endpoints, optional
+        That make its publishers and subscriptions.
+
+    """
+
+    def __init__(
+            self, node: Node, rejections: Rejections,
+            endpoints: Optional[Endpoints] = None) -> None:
+        self._node, self._rejections = node, rejections
+        self._endpoints = endpoints or Endpoints(node)
+        self.clock = node.get_clock()
+        self._time = time_of(self.clock)
+
+    def now_ns(self) -> int:
+        """Return the time [ns] on the node's clock."""
+        return self._time()
+
+    def every(
+            self, rate: float, callback: Callable[[], None], *, steadily: bool = False) -> Any:
+        """Return a timer that calls back at a rate [Hz]."""
+        self.needs_wakeup = True
+        clock = self.clock
+        if steadily or not clock.ros_time_is_active:
+            clock = Clock(clock_type=ClockType.STEADY_TIME)
+        return self._node.create_timer(period_ns(rate) / 1e9, callback, clock=clock)
+
+    def stop_timer(self, timer: Any) -> None:
+        """Never let a timer fire again."""
+        timer.cancel()
+        if not isinstance(timer, Timer):
+            self._node.destroy_timer(timer)
+
+    def publish(
+            self, message_type: type, topic: str,
+            profile: Optional[QoSProfile] = None) -> Publisher:
+        """Return a publisher, reliable where no profile says otherwise."""
+        return self._endpoints.publisher(message_type, topic, profile)
+
+    def listen(
+            self, message_type: type, topic: str, callback: Callable[..., None], *,
+            raw: bool = False, informed: bool = False, best_effort: bool = False,
+            needs_wakeup: bool = True) -> Subscription:
+        """Return a subscription; see :class:`Runtime`."""
+        self.needs_wakeup = self.needs_wakeup or needs_wakeup
+        return self._endpoints.subscription(
+            message_type, topic, self._heard(topic, callback, informed),
+            hearing_all(QUEUE_DEPTH) if best_effort else None, raw=raw)
+
+    def _heard(
+            self, topic: str, callback: Callable[..., None],
+            informed: bool) -> Callable[..., None]:
+        """Return what an executor calls back."""
+        guarded = self._rejections.guarded(topic, callback)
+        return informing(guarded) if informed else guarded
+
+    def poll(
+            self, message_type: type, topic: str,
+            callback: Callable[[bytes, MessageInfo], None]) -> Poll:
+        """Hand messages on as they come."""
+        self.listen(message_type, topic, callback, raw=True, informed=True)
+        return Poll()
+
+    def unlisten(self, subscription: Subscription) -> None:
+        """End a subscription."""
+        self._endpoints.destroy(subscription)
+
+    def serve(
+            self, service_type: type, name: str, callback: Callable[[Any, Any], Any]) -> Service:
+        """Return a service; see :class:`Runtime`."""
+        return self._node.create_service(service_type, name, callback)
+
+    def conclude(self, say: Callable[[], Sequence[Publisher]]) -> None:
+        """Have the final command said until it is heard."""
+        repeat_until_heard(self._node, say)

@@ -1,0 +1,277 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""``web_view`` in a real browser: what drives, what stops, what is set and what is seen."""
+
+import json
+import os
+from pathlib import Path
+import re
+import shutil
+import signal
+import socket
+
+from nav_msgs.msg import Odometry
+import pytest
+from rcl_interfaces.srv import GetParameters
+from support.graph import KHEPERA
+
+CONFIG = Path(__file__).parents[2] / 'config'
+BROWSER = shutil.which('chromium') or shutil.which('chromium-browser')
+pytestmark = [pytest.mark.slow, pytest.mark.ros]
+
+
+class Robot:
+    """The robot of web.yaml, on a free port, and what it does."""
+
+    def __init__(self, graph):
+        self.graph = graph
+        self.sim = graph.start('diffdrive_sim', args=[
+            '--ros-args', '--params-file', str(CONFIG / 'web.yaml'), '-p', 'web_view:port:=0'])
+        self.odometry = graph.collect(Odometry, 'odom')
+        self.address = graph.wait_for(
+            lambda: re.search(r'open (http://\S+)', self.sim.output), 'the page').group(1)
+
+    def moves(self):
+        return bool(self.odometry) and self.odometry[-1].twist.twist.linear.x != 0.0
+
+    def rests(self):
+        twist = self.odometry[-1].twist.twist
+        return twist.linear.x == twist.angular.z == 0.0
+
+    def wait(self, condition, what):
+        return self.graph.wait_for(condition, what)
+
+    def noise(self, name):
+        return self.graph.call(
+            GetParameters, 'wheel_noise/get_parameters',
+            GetParameters.Request(names=[name])).values[0].double_value
+
+
+@pytest.fixture
+def robot(graph):
+    pytest.importorskip('nicegui', reason="web_view needs '.[web]'")
+    return Robot(graph)
+
+
+@pytest.fixture
+def browser():
+    playwright = pytest.importorskip('playwright.sync_api', reason="a browser needs '.[browser]'")
+    if not BROWSER:
+        pytest.skip('chromium is not installed')
+    with playwright.sync_playwright() as started:
+        opened = started.chromium.launch(executable_path=BROWSER, args=['--no-sandbox'])
+        yield opened
+        if opened.is_connected():
+            opened.close()
+
+
+def seen(page, name):
+    """Return what the page was told last."""
+    return page.evaluate(f'webView.{name}')
+
+
+def look(robot, browser, **options):
+    page = browser.new_page(**options)
+    page.goto(robot.address)
+    page.wait_for_function('window.webView && webView.lost === false')
+    return page
+
+
+def released(page):
+    page.keyboard.up('w')
+
+
+def hidden(page):
+    page.evaluate("Object.defineProperty(document, 'hidden', {get: () => true});"
+                  "document.dispatchEvent(new Event('visibilitychange'))")
+
+
+def frozen(page):
+    """Stop all scripts, as a browser does with a tab that nobody looks at."""
+    page.context.new_cdp_session(page).send('Page.setWebLifecycleState', {'state': 'frozen'})
+
+
+def left(page):
+    page.goto('about:blank')
+
+
+def killed(page):
+    """Let the browser die without a word."""
+    session = page.context.browser.new_browser_cdp_session()
+    for process in session.send('SystemInfo.getProcessInfo')['processInfo']:
+        try:
+            os.kill(process['id'], signal.SIGKILL)
+        except ProcessLookupError:
+            pass
+
+
+@pytest.mark.parametrize('end', [released, hidden, frozen, left, killed])
+def test_a_key_moves_the_robot_and_whatever_ends_it_lets_the_robot_rest(robot, browser, end):
+    page = look(robot, browser)
+    page.keyboard.down('w')
+    robot.wait(robot.moves, 'the robot to move')
+    end(page)
+    robot.wait(robot.rests, 'the robot to rest')
+
+
+def test_the_stick_drives_backward_and_turns(robot, browser):
+    page = look(robot, browser, has_touch=True, viewport={'width': 390, 'height': 844})
+    box = page.locator('#dd-pad').bounding_box()
+    page.mouse.move(box['x'] + box['width'] / 2, box['y'] + box['height'] / 2)
+    page.mouse.down()
+    page.mouse.move(box['x'] + 0.2 * box['width'], box['y'] + 0.9 * box['height'])
+    robot.wait(lambda: robot.moves() and robot.odometry[-1].twist.twist.linear.x < 0.0
+               and robot.odometry[-1].twist.twist.angular.z > 0.0, 'a turn backward to the left')
+    page.mouse.up()
+    robot.wait(robot.rests, 'the robot to rest')
+
+
+def test_the_emergency_stop_stands_until_it_is_released(robot, browser):
+    page = look(robot, browser)
+    page.keyboard.down('w')
+    robot.wait(robot.moves, 'the robot to move')
+    page.get_by_text('Emergency stop').click()
+    robot.wait(robot.rests, 'the robot to rest')
+    robot.wait(lambda: seen(page, 'stopped'), 'the page to say so')
+    page.keyboard.up('w')
+    page.keyboard.down('w')
+    count = len(robot.odometry)
+    robot.wait(lambda: len(robot.odometry) > count + 20, 'odometry')
+    assert all(each.twist.twist.linear.x == 0.0 for each in robot.odometry[count:])
+    page.get_by_text('Release').click()
+    robot.wait(robot.moves, 'the robot to move')
+
+
+def test_a_slider_sets_the_noise_and_all_viewers_see_it(robot, browser):
+    first, second = look(robot, browser), look(robot, browser)
+    knob = first.locator('#dd-left_bias [tabindex="0"]')
+    robot.wait(lambda: first.get_by_text('0.01', exact=True).count(), 'the value of the node')
+    knob.focus()
+    before = robot.noise('left_bias')
+    assert before == pytest.approx(0.01)
+    for _ in range(5):
+        first.keyboard.press('ArrowRight')
+    robot.wait(lambda: robot.noise('left_bias') == pytest.approx(before + 0.005), 'the bias')
+    robot.wait(lambda: second.get_by_text('0.015', exact=True).count(), 'the other viewer')
+    assert robot.odometry == [] or robot.rests()  # keys of a slider do not drive
+
+
+def test_two_viewers_see_the_same_and_one_drives(robot, browser):
+    first, second = look(robot, browser), look(robot, browser)
+    first.keyboard.down('w')
+    robot.wait(robot.moves, 'the robot to move')
+    second.keyboard.down('s')
+    robot.wait(lambda: seen(second, 'driver') and seen(second, 'driver') != 0, 'the driver')
+    count = len(robot.odometry)
+    robot.wait(lambda: len(robot.odometry) > count + 10, 'odometry')
+    assert all(each.twist.twist.linear.x > 0.0 for each in robot.odometry[count:])
+    second.keyboard.up('s')
+    first.keyboard.up('w')
+    robot.wait(robot.rests, 'the robot to rest')
+    robot.wait(lambda: seen(first, 'belief') == seen(second, 'belief'), 'the same belief')
+    assert seen(first, 'truth') == seen(second, 'truth')
+    assert seen(first, 'truth')[:2] != seen(first, 'belief')[:2]
+    second.keyboard.down('s')  # the helm is free
+    robot.wait(lambda: robot.odometry[-1].twist.twist.linear.x < 0.0, 'the other one to drive')
+
+
+def test_a_click_sends_the_robot_there_and_a_key_takes_it_back(robot, browser):
+    page = look(robot, browser)
+    page.keyboard.down('w')
+    robot.wait(robot.moves, 'the robot to move')
+    page.keyboard.up('w')
+    robot.wait(robot.rests, 'the robot to rest')
+    robot.wait(lambda: seen(page, 'belief'), 'the belief')
+    box = page.locator('#dd-map').bounding_box()
+    page.mouse.click(box['x'] + 0.8 * box['width'], box['y'] + 0.3 * box['height'])
+    robot.wait(robot.moves, 'the robot to drive to the goal')
+    page.keyboard.down('ArrowDown')
+    robot.wait(lambda: robot.odometry[-1].twist.twist.linear.x < 0.0, 'the key to win')
+    page.keyboard.up('ArrowDown')
+    robot.wait(robot.rests, 'the robot to rest')
+    assert 'an empty path came' in robot.sim.output
+
+
+def test_reset_brings_belief_and_truth_back_to_the_start(robot, browser):
+    page = look(robot, browser)
+    page.keyboard.down('w')
+    robot.wait(lambda: robot.moves() and robot.odometry[-1].pose.pose.position.x > 0.02, 'a way')
+    page.keyboard.up('w')
+    robot.wait(robot.rests, 'the robot to rest')
+    page.get_by_text('Reset poses').click()
+    robot.wait(lambda: robot.odometry[-1].pose.pose.position.x == 0.0, 'the start')
+    robot.wait(lambda: (seen(page, 'truth') or [1.0])[0] == 0.0, 'the truth at the start')
+
+
+def listens(graph):
+    found = graph.node.get_subscriptions_info_by_topic('odom')
+    return any(info.node_name == 'web_view' for info in found)
+
+
+def test_nothing_is_subscribed_to_while_nobody_looks(robot, browser):
+    graph = robot.graph
+    assert not listens(graph)
+    page = look(robot, browser)
+    graph.wait_for(lambda: listens(graph), 'the page to listen')
+    page.close()
+    graph.wait_for(lambda: not listens(graph), 'the page to listen no longer')
+
+
+def asked(address, request):
+    """Return the first line that is answered to a request of a WebSocket."""
+    host, port = re.match(r'http://([^:]+):(\d+)', address).groups()
+    with socket.create_connection((host, int(port)), timeout=30.0) as connection:
+        connection.sendall(request.format(host=f'{host}:{port}').encode())
+        return connection.recv(100).decode().splitlines()[0]
+
+
+UPGRADE = ('GET /robot HTTP/1.1\r\nHost: {{host}}\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n'
+           'Sec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==\r\nSec-WebSocket-Version: 13\r\n'
+           'Origin: {}\r\n\r\n')
+
+
+@pytest.mark.parametrize('origin, answer', [
+    ('http://{host}', '101'), ('http://elsewhere.example', '403'), ('null', '403')])
+def test_pages_of_other_origins_do_not_drive(robot, origin, answer):
+    assert asked(robot.address, UPGRADE.format(origin)).split()[1] == answer
+
+
+def test_a_second_page_on_the_same_port_is_refused_by_its_name(robot):
+    port = int(robot.address.rsplit(':', 1)[1])
+    second = robot.graph.start('web_view', {**KHEPERA, 'port': port})
+    assert second.wait() == 2
+    assert f'port is {port}' in second.output and 'Traceback' not in second.output
+
+
+def test_without_nicegui_it_says_how_to_get_it(graph, tmp_path):
+    (tmp_path / 'nicegui').mkdir()
+    (tmp_path / 'nicegui' / '__init__.py').write_text('raise ImportError(name="nicegui")')
+    page = graph.start('web_view', KHEPERA, environment={'PYTHONPATH': str(tmp_path)})
+    assert page.wait() == 2
+    assert 'nicegui is missing' in page.output and "pip install '.[web]'" in page.output
+
+
+def test_what_is_no_command_is_counted_and_nothing_moves(robot, browser):
+    page = look(robot, browser)
+    for message in ('nonsense', json.dumps(['drive', [1]]), json.dumps(['drive', ['x', None]]),
+                    json.dumps(['set', ['robot_name', 1]]), json.dumps(['goal', [1e999, 0]]),
+                    json.dumps(['unknown', 1]), json.dumps(3)):
+        page.evaluate(f'new Promise((done) => {{const s = new WebSocket("{robot.address}/robot"'
+                      f'.replace("http", "ws")); s.onopen = () => {{s.send({message!r});'
+                      f' setTimeout(() => {{s.close(); done();}}, 200);}};}})')
+    robot.wait(lambda: 'refused' in robot.sim.output, 'the report')
+    page.keyboard.down('w')
+    robot.wait(robot.moves, 'the robot to move')
+    assert 'Traceback' not in robot.sim.output
