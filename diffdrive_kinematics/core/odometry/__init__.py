@@ -16,8 +16,8 @@
 From messages about wheels to a pose at any time.
 
 Wheel motion from stamped rates and positions, encoders that wrap around, the odometry that
-evaluates one exact arc from its last anchor, slip on a stream of wheel motion; and what is to be
-believed of drivers: their clocks, velocities, several publishers, several wheels of a side.
+evaluates one exact arc from its last anchor, slip on a stream of wheel motion; and checks of what
+drivers say: their clocks, velocities, several publishers, several wheels of a side.
 """
 
 from diffdrive_kinematics.core.odometry.anchor import Anchor

@@ -48,6 +48,8 @@ class ClockOffset(NamedTuple):
     >>> clock = ClockOffset(tolerance_ns=250_000_000, apart=True, least_ns=-3_000_000_000)
     >>> clock.own_ns(9_000_000_000), clock.theirs_ns(6_000_000_000)
     (6000000000, 9000000000)
+    >>> clock.delay_ns(9_000_000_000, 6_002_000_000)
+    2000000
 
     """
 

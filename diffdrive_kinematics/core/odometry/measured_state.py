@@ -46,8 +46,10 @@ class MeasuredState(NamedTuple):
     Examples
     --------
     >>> state = MeasuredState(lead=(0.25, 0.0))
-    >>> state.led((0.125, 0.125)), state.held_rates(), state.told_rates()
+    >>> state.led((0.125, 0.125)), state.held_rates(), state.fallback_rates()
     ((0.25, 0.125), (0.0, 0.0), (0.0, 0.0))
+    >>> state.reach_ns(timeout_ns=None)
+    60000000
 
     """
 
@@ -82,7 +84,7 @@ class MeasuredState(NamedTuple):
         (left, right), (left_run, right_run) = self.window.rates, self.window.runs
         return left if abs(left_run) >= STEADY else 0.0, right if abs(right_run) >= STEADY else 0.0
 
-    def told_rates(self) -> WheelPair:
+    def fallback_rates(self) -> WheelPair:
         """
         Return the rates to go by where the next message has no positions.
 

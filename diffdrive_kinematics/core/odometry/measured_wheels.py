@@ -45,8 +45,8 @@ class MeasuredWheels(MeasuredState):
 
     Parameters
     ----------
-    *fields
-        Those of :class:`.MeasuredState`.
+    extrapolates, window, check, lead : as there
+        Fields of :class:`.MeasuredState`.
 
     Examples
     --------
@@ -56,7 +56,7 @@ class MeasuredWheels(MeasuredState):
     >>> for number in (1, 2, 3):
     ...     wheels = wheels.followed(
     ...         250_000_000 * number, (0.5 * number, 1.0 * number), None, ahead=(0.0, 0.0))
-    >>> wheels.rates, wheels.held_rates(), wheels.told_rates()
+    >>> wheels.rates, wheels.held_rates(), wheels.fallback_rates()
     ((2.0, 4.0), (2.0, 4.0), (2.0, 4.0))
     >>> wheels.reach_ns(timeout_ns=None), wheels.reach_ns(timeout_ns=500_000_000)
     (750000000, 500000000)
@@ -113,7 +113,7 @@ class MeasuredWheels(MeasuredState):
         velocities : pair of float or None
             The driver's velocities [rad/s].
         ahead : pair of float
-            By how much [rad] the angles that were told until it came are ahead of that.
+            By how much [rad] the angles reported until it came are ahead of that.
 
         Returns
         -------

@@ -44,8 +44,8 @@ class Odometry(OdometryState):
 
     Parameters
     ----------
-    *fields
-        Those of :class:`.OdometryState`.
+    geometry, slip_variances, anchor, wheels : as there
+        The fields of :class:`.OdometryState`.
 
     Examples
     --------

@@ -88,6 +88,8 @@ class OdometryState(NamedTuple):
     ...     WheelTrack(timeout_ns=None))
     >>> state.predict(0).pose, state.at_rest
     (Pose(x=1.0, y=2.0, theta=0.0), False)
+    >>> state.clock_stepped(5) == state  # it has heard nothing yet
+    True
 
     """
 
@@ -137,7 +139,7 @@ class OdometryState(NamedTuple):
 
         Examples
         --------
-        See :class:`.Odometry`.
+        See :class:`OdometryState`.
 
         """
         geometry, _, anchor, wheels = self
@@ -196,7 +198,7 @@ class OdometryState(NamedTuple):
 
         Examples
         --------
-        See :class:`.WheelState`.
+        See :class:`OdometryState`.
 
         """
         return self._replace(wheels=self.wheels.clock_stepped(step_ns))

@@ -13,7 +13,10 @@
 # limitations under the License.
 
 """
-The clock of a sender, as the times show at which its messages arrive.
+The clock of one sender, as the times show at which its messages arrive.
+
+It maps stamps to the own clock.  Where it is not known who sends a message, and only its age is
+asked for, there is :class:`.SenderClocks`.
 
 The latency of a message, its arrival minus its stamp, is the offset of the sender's clock plus
 what the message took.  The least latency is the offset, but for the fastest message's way.
@@ -41,8 +44,10 @@ class SenderClock(ClockOffset):
 
     Parameters
     ----------
-    *fields
-        Those of :class:`.ClockOffset`.
+    tolerance_ns, apart, least_ns, stamp_ns, arrival_ns, messages, since_ns : as there
+        Fields of :class:`.ClockOffset`.
+    late, late_since_ns, late_least_ns, low_ns, high_ns : as there
+        Fields of :class:`.ClockOffset`.
 
     Examples
     --------

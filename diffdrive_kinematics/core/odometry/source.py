@@ -27,12 +27,12 @@ STANDS = 1e-3  # [rad, rad/s]
 
 class Spoken(NamedTuple):
     """
-    A message as it came: who says what, and when.
+    What a message says, and who sent it when.
 
     Parameters
     ----------
     tag : str
-        What the publisher says of itself; empty: nothing.
+        Name by which the publisher marks its messages; empty: none.
     joints : tuple of int
         Which joints the message is about.
     number : int

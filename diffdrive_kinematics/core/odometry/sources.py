@@ -13,15 +13,15 @@
 # limitations under the License.
 
 """
-Which of several publishers of the same joints is believed.
+Which of several publishers of the same joints is used.
 
-Two publishers of the same wheels cannot both be right, and what they say in turn is no motion.
+Two publishers of the same wheels cannot both be right, and their mixed messages are no motion.
 They are told apart by the tag that their messages carry, and by the numbers that the middleware
 gives to the messages of each publisher: those of one go up, one by one where none is lost.
 
 * A publisher that begins where another one has been silent takes its place, and so does one with
   a tag of its own, which is a restart as far as is known.
-* Where both go on, the one that moves is believed before one that never did (a node that
+* Where both go on, the one that moves is used rather than one that never did (a node that
   publishes zeros), and else the one that was there first; it has to be silent for longer before
   the other one takes its place.
 * Publishers of different joints (the left wheel and the right one) do not disturb each other.
@@ -42,18 +42,18 @@ NEVER_NS = -10**20
 
 class Sources(NamedTuple):
     """
-    The publishers that were heard; a value: :meth:`heard` returns a new one.
+    The publishers of some joints; a value: :meth:`heard` returns a new one.
 
     Parameters
     ----------
     known : tuple of Source
         In the order in which they began.
     owners : tuple of Spoken
-        The sources believed, by the first message of each, which is unique.
+        The sources that are used, by the first message of each, which is unique.
     contested_ns : int
         When two of the same joints last spoke in turn [ns].
     ignored : int
-        How many messages were not believed.
+        How many messages were not used.
 
     Examples
     --------
@@ -77,7 +77,7 @@ class Sources(NamedTuple):
 
     def heard(self, spoken: Spoken) -> Tuple['Sources', bool]:
         """
-        Return the sources after a message, and whether it is believed.
+        Return the sources after a message, and whether it is used.
 
         Parameters
         ----------
@@ -89,7 +89,7 @@ class Sources(NamedTuple):
         sources : Sources
             The sources after it.
         believed : bool
-            Whether it is of a source that is believed.
+            Whether it is of a source that is used.
 
         Examples
         --------
@@ -199,7 +199,7 @@ class Sources(NamedTuple):
         return (*(each for each in kept if each.first not in forgotten), source)
 
     def _gives_way(self, rival: Source, source: Source) -> bool:
-        """Tell whether a source that is believed gives way to another one that speaks now."""
+        """Tell whether a source that is used gives way to another one that speaks now."""
         contested = self.contested(source.last.now_ns)
         if rival.silent(source.last.now_ns) > self._takeover_ns(source.last.now_ns):
             return True

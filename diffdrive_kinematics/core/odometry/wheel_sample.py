@@ -49,7 +49,8 @@ class WheelSample:
 
     Examples
     --------
-    See :func:`update_motion`.
+    >>> WheelSample(0, rates=(1.0, 2.0)).positions is None
+    True
 
     """
 
@@ -105,7 +106,8 @@ class Verdict(enum.Enum):
 
     Examples
     --------
-    See :func:`update_motion`.
+    >>> Verdict.MOVED.value
+    'moved'
 
     """
 

@@ -58,8 +58,8 @@ class WheelState(NamedTuple):
 
     >>> wheels = WheelState(timeout_ns=None, motion=WheelMotion(
     ...     anchor_ns=0, last_ns=0, rates=(1.0, 2.0), reference=(0.0, 0.0), holds=True))
-    >>> wheels.state_at(500_000_000)
-    ((0.5, 1.0), (1.0, 2.0))
+    >>> wheels.state_at(500_000_000), wheels.angle_at(500_000_000)
+    (((0.5, 1.0), (1.0, 2.0)), (0.5, 1.0))
 
     """
 

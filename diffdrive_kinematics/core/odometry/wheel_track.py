@@ -45,8 +45,8 @@ class WheelTrack(WheelState):
 
     Parameters
     ----------
-    *fields
-        Those of :class:`.WheelState`.
+    timeout_ns, max_rate, unmeasured, measured, left, right, motion, clock : as there
+        Fields of :class:`.WheelState`.
 
     Examples
     --------
@@ -147,7 +147,7 @@ class WheelTrack(WheelState):
         if measured is None or motion is None:
             return self
         return self._replace(measured=None, motion=motion._replace(
-            rates=measured.told_rates(), holds=True))
+            rates=measured.fallback_rates(), holds=True))
 
     def _update_measured(
             self, sample: WheelSample, now_ns: int) -> Tuple['WheelTrack', Arcs, Verdict]:
