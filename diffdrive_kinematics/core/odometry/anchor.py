@@ -84,7 +84,7 @@ class Anchor(NamedTuple):
     @property
     def heading(self) -> float:
         """Return the heading [rad], within a turn."""
-        return math.remainder(self.theta.high, math.tau) + self.theta.low
+        return _heading(self.theta)
 
     def pose_after(self, distance: float, turn: float) -> Pose:
         """
@@ -107,9 +107,9 @@ class Anchor(NamedTuple):
         See :class:`Anchor`.
 
         """
-        dx, dy = displacement(self.heading, distance, turn)
-        return Pose(self.x.value_with(dx), self.y.value_with(dy),
-                    wrap_angle(self.theta.value_with(turn)))
+        x, y, theta, _ = self
+        dx, dy = displacement(_heading(theta), distance, turn)
+        return Pose(x.value_with(dx), y.value_with(dy), wrap_angle(theta.value_with(turn)))
 
     def moved(self, distance: float, turn: float, covariance: PoseCovariance) -> 'Anchor':
         """
@@ -134,5 +134,11 @@ class Anchor(NamedTuple):
         See :class:`Anchor`.
 
         """
-        dx, dy = displacement(self.heading, distance, turn)
-        return Anchor(self.x.plus(dx), self.y.plus(dy), self.theta.plus(turn), covariance)
+        x, y, theta, _ = self
+        dx, dy = displacement(_heading(theta), distance, turn)
+        return Anchor(x.plus(dx), y.plus(dy), theta.plus(turn), covariance)
+
+
+def _heading(theta: RunningSum) -> float:
+    high, low = theta
+    return math.remainder(high, math.tau) + low

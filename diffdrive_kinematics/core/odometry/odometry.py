@@ -156,7 +156,7 @@ class Odometry(OdometryState):
             if not is_sane(distance, turn):
                 raise _absurd('position', angle)
             anchor = anchor.moved(distance, turn, self._covariance_after(anchor, angle))
-        return Odometry(*self[:2], anchor, wheels), verdict  # twice as fast as _replace
+        return Odometry(geometry, self.slip_variances, anchor, wheels), verdict  # no defaults
 
     def configured(
             self, geometry: WheelGeometry, timeout_ns: Optional[int], now_ns: int,
