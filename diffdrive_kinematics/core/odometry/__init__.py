@@ -21,13 +21,14 @@ drivers say: their clocks, velocities, several publishers, several wheels of a s
 """
 
 from diffdrive_kinematics.core.odometry.anchor import Anchor
+from diffdrive_kinematics.core.odometry.base_state import BaseState
 from diffdrive_kinematics.core.odometry.encoders import Encoder, PositionTrack, wrapped_increment
 from diffdrive_kinematics.core.odometry.history import OdometryHistory
 from diffdrive_kinematics.core.odometry.joint_assembly import Assembled, Assembly, JointReading
 from diffdrive_kinematics.core.odometry.measured_wheels import MeasuredWheels
 from diffdrive_kinematics.core.odometry.motion_update import MotionUpdate, update_motion
 from diffdrive_kinematics.core.odometry.odometry import Odometry
-from diffdrive_kinematics.core.odometry.odometry_state import BaseState, OdometryState
+from diffdrive_kinematics.core.odometry.odometry_state import OdometryState
 from diffdrive_kinematics.core.odometry.rate_window import RateWindow
 from diffdrive_kinematics.core.odometry.sender_clock import SenderClock
 from diffdrive_kinematics.core.odometry.sender_clocks import REMEMBERED_NS, SenderClocks

@@ -19,27 +19,27 @@ from typing import NamedTuple
 
 from diffdrive_kinematics.core.kinematics import (
     check_finite, displacement, Pose, RunningSum, wrap_angle)
-from diffdrive_kinematics.core.noise import NO_COVARIANCE, PoseCovariance
+from diffdrive_kinematics.core.noise import CERTAIN, PoseMoments
 
 __all__ = ['Anchor']
 
 
 class Anchor(NamedTuple):
     """
-    A pose and its covariance; a value: :meth:`moved` returns a new one.
+    A pose and the moments of its error; a value: :meth:`moved` returns a new one.
 
     Parameters
     ----------
     x, y, theta : RunningSum
         The pose [m, m, rad]; theta is not wrapped.
-    covariance : PoseCovariance
-        Of the pose, in the fixed frame.
+    moments : PoseMoments
+        Of the error of the pose, in the fixed frame.
 
     Examples
     --------
     A metre ahead, and then a turn on the spot:
 
-    >>> anchor = Anchor.at(Pose(1.0, 0.0, 0.0)).moved(1.0, 0.0, NO_COVARIANCE)
+    >>> anchor = Anchor.at(Pose(1.0, 0.0, 0.0)).moved(1.0, 0.0, CERTAIN)
     >>> anchor.pose_after(0.0, 0.5)
     Pose(x=2.0, y=0.0, theta=0.5)
 
@@ -48,10 +48,10 @@ class Anchor(NamedTuple):
     x: RunningSum
     y: RunningSum
     theta: RunningSum
-    covariance: PoseCovariance
+    moments: PoseMoments
 
     @staticmethod
-    def at(pose: Pose, covariance: PoseCovariance = NO_COVARIANCE) -> 'Anchor':
+    def at(pose: Pose, moments: PoseMoments = CERTAIN) -> 'Anchor':
         """
         Return the anchor at a pose.
 
@@ -59,8 +59,8 @@ class Anchor(NamedTuple):
         ----------
         pose : Pose
             The pose; scalars.
-        covariance : PoseCovariance
-            Of the pose, in the fixed frame.
+        moments : PoseMoments
+            Of the error of the pose, in the fixed frame.
 
         Returns
         -------
@@ -79,7 +79,7 @@ class Anchor(NamedTuple):
         """
         x, y, theta = (RunningSum(check_finite(f'{name} of the pose', float(value)))
                        for name, value in zip(('x', 'y', 'yaw'), pose))
-        return Anchor(x, y, theta, covariance)
+        return Anchor(x, y, theta, moments)
 
     @property
     def heading(self) -> float:
@@ -111,7 +111,7 @@ class Anchor(NamedTuple):
         dx, dy = displacement(_heading(theta), distance, turn)
         return Pose(x.value_with(dx), y.value_with(dy), wrap_angle(theta.value_with(turn)))
 
-    def moved(self, distance: float, turn: float, covariance: PoseCovariance) -> 'Anchor':
+    def moved(self, distance: float, turn: float, moments: PoseMoments) -> 'Anchor':
         """
         Return the anchor at the end of an arc.
 
@@ -121,8 +121,8 @@ class Anchor(NamedTuple):
             Length of the arc [m], negative in reverse.
         turn : float
             Change of the heading [rad].
-        covariance : PoseCovariance
-            Of the pose there, in the fixed frame.
+        moments : PoseMoments
+            Of the error there, in the fixed frame.
 
         Returns
         -------
@@ -136,7 +136,7 @@ class Anchor(NamedTuple):
         """
         x, y, theta, _ = self
         dx, dy = displacement(_heading(theta), distance, turn)
-        return Anchor(x.plus(dx), y.plus(dy), theta.plus(turn), covariance)
+        return Anchor(x.plus(dx), y.plus(dy), theta.plus(turn), moments)
 
 
 def _heading(theta: RunningSum) -> float:

@@ -23,7 +23,7 @@ from typing import Optional, Tuple
 
 from diffdrive_kinematics.core.kinematics import (
     check_non_negative, is_sane, LARGEST, Pose, twist_from_wheel_rates, WheelGeometry)
-from diffdrive_kinematics.core.noise import NO_COVARIANCE, PoseCovariance
+from diffdrive_kinematics.core.noise import gaussian_moments, NO_COVARIANCE, PoseCovariance
 from diffdrive_kinematics.core.odometry.anchor import Anchor
 from diffdrive_kinematics.core.odometry.measured_wheels import MeasuredWheels
 from diffdrive_kinematics.core.odometry.odometry_state import OdometryState
@@ -91,7 +91,7 @@ class Odometry(OdometryState):
         slip_variances : pair of float
             Variances k (left, right) [m] of a wheel's travel per metre.
         covariance : PoseCovariance
-            Of the pose, in the fixed frame.
+            Of the pose, in the fixed frame; its error is Gaussian.
         max_rate : float
             Wheel rate [rad/s] above which an increment of a driver's positions is no motion.
         unmeasured : MeasuredWheels
@@ -113,7 +113,8 @@ class Odometry(OdometryState):
 
         """
         _check_slip(slip_variances)
-        return Odometry(geometry, slip_variances, Anchor.at(pose, covariance), WheelTrack(
+        anchor = Anchor.at(pose, gaussian_moments(covariance))
+        return Odometry(geometry, slip_variances, anchor, WheelTrack(
             timeout_ns, max_rate, unmeasured, clock=SenderClock(tolerance_of(timeout_ns))))
 
     def update(self, sample: WheelSample, now_ns: int) -> Tuple['Odometry', Verdict]:
@@ -155,7 +156,7 @@ class Odometry(OdometryState):
             distance, turn = twist_from_wheel_rates(geometry, *angle)  # times 1 s
             if not is_sane(distance, turn):
                 raise _absurd('position', angle)
-            anchor = anchor.moved(distance, turn, self._covariance_after(anchor, angle))
+            anchor = anchor.moved(distance, turn, self._moments_after(anchor, angle))
         return Odometry(geometry, self.slip_variances, anchor, wheels), verdict  # no defaults
 
     def configured(
@@ -194,7 +195,7 @@ class Odometry(OdometryState):
         anchor, (wheels, arcs) = self.anchor, self.wheels.configured(timeout_ns, now_ns)
         for angle in arcs:
             anchor = anchor.moved(*twist_from_wheel_rates(self.geometry, *angle),
-                                  self._covariance_after(anchor, angle))
+                                  self._moments_after(anchor, angle))
         return Odometry(geometry, slip, anchor, wheels)
 
     def set_pose(
@@ -211,7 +212,7 @@ class Odometry(OdometryState):
         pose : Pose
             Where it was put; scalars.
         covariance : PoseCovariance
-            Of the pose, in the fixed frame.
+            Of the pose, in the fixed frame; its error is Gaussian.
         now_ns : int
             When it was put there [ns], on the own clock.
         keep_angles : bool
@@ -233,7 +234,7 @@ class Odometry(OdometryState):
 
         """
         return self._replace(
-            anchor=Anchor.at(pose, covariance),
+            anchor=Anchor.at(pose, gaussian_moments(covariance)),
             wheels=self.wheels.stopped(now_ns, keep_angles=keep_angles))
 
 

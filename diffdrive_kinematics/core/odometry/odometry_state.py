@@ -19,51 +19,23 @@ The pose at a time is one exact arc from the anchor, so publishing neither accum
 anything.
 """
 
-from typing import NamedTuple, Optional, Tuple, TypeVar
+from typing import NamedTuple, Optional, TypeVar
 
 from diffdrive_kinematics.core.kinematics import (
     displacement, Pose, travel_from_angles, twist_from_wheel_rates, WheelGeometry)
 from diffdrive_kinematics.core.noise import (
-    moved_covariance, NO_COVARIANCE, PoseCovariance, slip_covariance)
+    arc_moments, CERTAIN, followed, NO_COVARIANCE, PoseCovariance, PoseMoments, slip_on_arc)
 from diffdrive_kinematics.core.odometry.anchor import Anchor
+from diffdrive_kinematics.core.odometry.base_state import BaseState
 from diffdrive_kinematics.core.odometry.measured_wheels import MeasuredWheels
 from diffdrive_kinematics.core.odometry.sender_clock import SenderClock
 from diffdrive_kinematics.core.odometry.wheel_motion import WheelMotion
 from diffdrive_kinematics.core.odometry.wheel_sample import WheelPair, ZERO
 from diffdrive_kinematics.core.odometry.wheel_track import WheelTrack
 
-__all__ = ['BaseState', 'OdometryState']
+__all__ = ['OdometryState']
 
 State = TypeVar('State', bound='OdometryState')
-
-
-class BaseState(NamedTuple):
-    """
-    The base at one time.
-
-    Parameters
-    ----------
-    pose : Pose
-        Where it is [m, m, rad]; theta in (-pi, pi].
-    twist : pair of float
-        Forward speed v [m/s] and yaw rate w [rad/s].
-    angles : pair of float
-        Wheel angles (left, right) rolled since the start [rad].
-    rates : pair of float
-        Wheel rates (left, right) [rad/s].
-
-    Examples
-    --------
-    >>> state = BaseState(Pose(1.0, 0.0, 0.0), (0.5, 0.0), angles=(8.0, 8.0), rates=(4.0, 4.0))
-    >>> state.pose.x
-    1.0
-
-    """
-
-    pose: Pose
-    twist: Tuple[float, float]
-    angles: WheelPair
-    rates: WheelPair
 
 
 class OdometryState(NamedTuple):
@@ -77,7 +49,7 @@ class OdometryState(NamedTuple):
     slip_variances : pair of float
         Variances k (left, right) [m] of a wheel's travel per metre; 0: the wheels do not slip.
     anchor : Anchor
-        Pose at the anchor, and its covariance.
+        Pose at the anchor, and the moments of its error.
     wheels : WheelTrack
         What the wheels have rolled up to the anchor, and since.
 
@@ -88,7 +60,9 @@ class OdometryState(NamedTuple):
     ...     WheelTrack(timeout_ns=None))
     >>> state.predict(0).pose, state.at_rest
     (Pose(x=1.0, y=2.0, theta=0.0), False)
-    >>> state.clock_stepped(5) == state  # it has heard nothing yet
+    >>> state.moments_at(0) is CERTAIN
+    True
+    >>> state.with_moments(CERTAIN).clock_stepped(5) == state  # it has heard nothing yet
     True
 
     """
@@ -153,8 +127,8 @@ class OdometryState(NamedTuple):
         """
         Return the covariance of the pose at a time, in the fixed frame (the axes of x and y).
 
-        It is what the slip of the wheels has made of an exactly known start, to first order.  The
-        equations stand in :func:`.slip_covariance`.
+        It is the second moment of the error about the pose of :meth:`predict`, whose mean is
+        that of :meth:`moments_at`.
 
         Parameters
         ----------
@@ -168,7 +142,8 @@ class OdometryState(NamedTuple):
 
         Examples
         --------
-        After 1 m straight ahead ``Var theta = (k_l + k_r) |d| / L^2``:
+        After 1 m straight ahead ``Var theta = (k_l + k_r) |d| / L^2``, and a heading that is not
+        known shortens the way on average:
 
         >>> from diffdrive_kinematics.core.odometry import WheelSample
         >>> wheels, _, _ = WheelTrack(timeout_ns=None).update(WheelSample(0, (4.0, 4.0)), now_ns=0)
@@ -176,11 +151,57 @@ class OdometryState(NamedTuple):
         ...     WheelGeometry(0.5, 0.125), (1e-4, 1e-4), Anchor.at(Pose(0.0, 0.0, 0.0)), wheels)
         >>> round(state.covariance_at(2_000_000_000).tt, 9)
         0.0008
+        >>> f'{state.moments_at(2_000_000_000).mean_error.real:.1e} m'
+        '-2.0e-04 m'
 
         """
-        angle = self.wheels.angle_at(time_ns)
-        return self.anchor.covariance if angle == ZERO else self._covariance_after(
-            self.anchor, angle)
+        if self.slip_variances == ZERO and self.anchor.moments is CERTAIN:
+            return NO_COVARIANCE
+        return self.moments_at(time_ns).second_moment()
+
+    def moments_at(self, time_ns: int) -> PoseMoments:
+        """
+        Return the moments of the error of the pose at a time, in the fixed frame.
+
+        They are what slip makes of the start, exactly; the equations stand in ``arc_moments``.
+
+        Parameters
+        ----------
+        time_ns : int
+            The time [ns], on the own clock.
+
+        Returns
+        -------
+        PoseMoments
+            Of true minus published pose.
+
+        Examples
+        --------
+        See :class:`OdometryState`.
+
+        """
+        return self._moments_after(self.anchor, self.wheels.angle_at(time_ns))
+
+    def with_moments(self: State, moments: PoseMoments) -> State:
+        """
+        Return the odometry with other moments of the error at the anchor.
+
+        Parameters
+        ----------
+        moments : PoseMoments
+            Of true minus published pose.
+
+        Returns
+        -------
+        OdometryState
+            The odometry with them.
+
+        Examples
+        --------
+        See :class:`OdometryState`.
+
+        """
+        return self._replace(anchor=self.anchor._replace(moments=moments))
 
     def clock_stepped(self: State, step_ns: int) -> State:
         """
@@ -203,14 +224,14 @@ class OdometryState(NamedTuple):
         """
         return self._replace(wheels=self.wheels.clock_stepped(step_ns))
 
-    def _covariance_after(self, anchor: Anchor, angle: WheelPair) -> PoseCovariance:
-        """Return the covariance after the wheels rolled by an angle [rad] from an anchor."""
-        if self.slip_variances == ZERO and anchor.covariance == NO_COVARIANCE:
-            return anchor.covariance
-        geometry, heading = self.geometry, anchor.heading
-        distance, turn = twist_from_wheel_rates(geometry, *angle)
-        d_left, d_right = travel_from_angles(geometry, *angle)
-        added = slip_covariance(geometry, heading, d_left, d_right, *self.slip_variances)
-        return moved_covariance(
-            anchor.covariance, Pose(0.0, 0.0, heading),
-            Pose(*displacement(heading, distance, turn), turn), added)
+    def _moments_after(self, anchor: Anchor, angle: WheelPair) -> PoseMoments:
+        """Return the moments after the wheels rolled by an angle [rad] from an anchor."""
+        moments = anchor.moments
+        if angle == ZERO or self.slip_variances == ZERO and moments is CERTAIN:
+            return moments
+        d_left, d_right = travel_from_angles(self.geometry, *angle)
+        distance, turn = twist_from_wheel_rates(self.geometry, *angle)
+        slip = slip_on_arc(self.geometry, d_left, d_right, *self.slip_variances)
+        return followed(
+            moments, anchor.heading, complex(*displacement(anchor.heading, distance, turn)),
+            arc_moments(distance, turn, slip))
