@@ -22,7 +22,7 @@ anything.
 from typing import NamedTuple, Optional, TypeVar
 
 from diffdrive_kinematics.core.kinematics import (
-    displacement, Pose, travel_from_angles, twist_from_wheel_rates, WheelGeometry)
+    displacement, travel_from_angles, twist_from_wheel_rates, WheelGeometry)
 from diffdrive_kinematics.core.noise import (
     arc_moments, CERTAIN, followed, NO_COVARIANCE, PoseCovariance, PoseMoments, slip_on_arc)
 from diffdrive_kinematics.core.odometry.anchor import Anchor
@@ -55,6 +55,7 @@ class OdometryState(NamedTuple):
 
     Examples
     --------
+    >>> from diffdrive_kinematics.core.kinematics import Pose
     >>> state = OdometryState(
     ...     WheelGeometry(0.5, 0.125), (0.0, 0.0), Anchor.at(Pose(1.0, 2.0, 0.0)),
     ...     WheelTrack(timeout_ns=None))
@@ -145,6 +146,7 @@ class OdometryState(NamedTuple):
         After 1 m straight ahead ``Var theta = (k_l + k_r) |d| / L^2``, and a heading that is not
         known shortens the way on average:
 
+        >>> from diffdrive_kinematics.core.kinematics import Pose
         >>> from diffdrive_kinematics.core.odometry import WheelSample
         >>> wheels, _, _ = WheelTrack(timeout_ns=None).update(WheelSample(0, (4.0, 4.0)), now_ns=0)
         >>> state = OdometryState(
