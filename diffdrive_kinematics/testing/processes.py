@@ -63,6 +63,11 @@ class Process:
             env={**os.environ, **environment})
 
     @property
+    def pid(self) -> int:
+        """Return its process id."""
+        return self._popen.pid
+
+    @property
     def running(self) -> bool:
         """Return whether it has not ended."""
         return self._popen.poll() is None
