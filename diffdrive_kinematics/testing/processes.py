@@ -26,7 +26,7 @@ __all__ = ['Process', 'ProcessFailed']
 
 PATIENCE_S = 3.0
 LINES = 40
-SHARED_MEMORY = re.compile(r'/dev/shm/\S*fastrtps_\S+')
+SHARED_MEMORY = re.compile(r'/dev/shm/\S*fast(?:dds|rtps)_\S+')
 
 
 class ProcessFailed(AssertionError):
