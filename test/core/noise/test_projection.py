@@ -25,6 +25,7 @@ from diffdrive_kinematics.core.noise.projection import (
     MOST_THREADS, propagate, ROWS, sample_paths, travel_of_command)
 import numpy as np
 import pytest
+from support.marks import rest_slow
 
 L = 0.0885
 GEOMETRY = WheelGeometry(L, 0.02)
@@ -69,7 +70,7 @@ def biased(d_left, d_right, slips):
 
 
 @COURSES
-@pytest.mark.parametrize('distribution', ['gaussian', 'uniform'])
+@pytest.mark.parametrize('distribution', rest_slow(['uniform', 'gaussian']))
 def test_one_step_has_the_statistics_of_many_within_1_percent(d_left, d_right, distribution):
     """A million samples: the ratio of two variances has a standard deviation of 0.2 %."""
     slips = [WheelSlip(slip.bias, slip.variance, distribution=distribution)
