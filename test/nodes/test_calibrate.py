@@ -368,7 +368,9 @@ def test_files_of_every_kind_of_motion_find_the_wheels(graph, tmp_path):
             ('time_sec,left_rate,right_rate', rates, ()),
             ('time_sec,linear_x,angular_z', twists, ()),
             ('time_sec,left_ticks,right_ticks', angles * 500.0,
-             (f'encoder_resolution:={500.0 * math.tau}',))):
+             (f'encoder_resolution:={500.0 * math.tau}',)),
+            ('time_sec,left_ticks,right_ticks', angles * 500.0,
+             (f'encoder_resolution:={20.0 * math.tau}', 'gear_ratio:=25.0'))):
         written = tmp_path / 'found.yaml'
         settings = files_of(
             tmp_path, header, [(time, *row) for time, row in zip(times, columns)], poses)

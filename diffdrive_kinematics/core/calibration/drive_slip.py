@@ -200,7 +200,9 @@ def _centre(reference: Array, systematic: CalibrationParameters) -> Array:
 
 def _angles(drive: RecordedDrive, start: float, end: float) -> Array:
     """Return the wheel angles at two stamps and all between, interpolated at the two."""
-    inside = drive.angles[(drive.time > start) & (drive.time < end)]
-    first, last = (np.array([np.interp(stamp, drive.time, wheel) for wheel in drive.angles.T])
-                   for stamp in (start, end))
-    return np.vstack([first, inside, last])
+    low, high = np.searchsorted(drive.time, start, 'right'), np.searchsorted(drive.time, end)
+    near = slice(max(low - 1, 0), high + 1)  # each window costs its own length only
+    first, last = (
+        np.array([np.interp(stamp, drive.time[near], wheel) for wheel in drive.angles[near].T])
+        for stamp in (start, end))
+    return np.vstack([first, drive.angles[low:high], last])
