@@ -20,8 +20,10 @@ from typing import Any, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
 from diffdrive_kinematics.core.calibration import (
     Clock, COMMANDED, corrected, fit_drive_slip, fit_trajectory, RecordedDrive, ReturnError,
-    slip_from_squares, TrajectoryFit, umbmark, Windows)
+    slip_from_squares, TrajectoryFit, umbmark, Windows, without_frozen_poses)
 from diffdrive_kinematics.core.kinematics import WheelGeometry
+from diffdrive_kinematics.tools.calibration_remarks import (
+    course_remarks, frame_remark, frozen_remark)
 
 __all__ = [
     'CLOCKS', 'Calibration', 'Gain', 'MULTIPLIERS', 'Row', 'of_drives', 'of_squares', 'table']
@@ -93,6 +95,8 @@ def of_drives(
         values: Mapping[str, Any], geometry: WheelGeometry, drives: Sequence[RecordedDrive], *,
         clock: str, commands: bool = False) -> Calibration:
     """Return the calibration by trajectory fit; ``ValueError`` where the drives allow none."""
+    whole = drives
+    drives = [without_frozen_poses(drive, wheel_radius=geometry.wheel_radius) for drive in whole]
     keep = values['mean_radius'] == 'keep' or commands and not values['mean_radius']
     fit = fit_trajectory(
         geometry, drives, clock=CLOCKS[clock], mean_radius=not keep,
@@ -118,7 +122,8 @@ def of_drives(
              1e3 * fit.after.heading))
     return Calibration(
         'trajectory fit', after, (slip.k_left.value, slip.k_right.value), tuple(rows), gains,
-        tuple(_remarks(fit, drives)), (fit, geometry, drives))
+        (*_remarks(fit, drives), *frozen_remark(whole, drives), *frame_remark(fit),
+         *course_remarks(geometry, drives)), (fit, geometry, drives))
 
 
 def _remarks(fit: TrajectoryFit, drives: Sequence[RecordedDrive]) -> List[str]:

@@ -200,7 +200,10 @@ def _centre(reference: Array, systematic: CalibrationParameters) -> Array:
 
 def _angles(drive: RecordedDrive, start: float, end: float) -> Array:
     """Return the wheel angles at two stamps and all between, interpolated at the two."""
-    inside = drive.angles[(drive.time > start) & (drive.time < end)]
-    first, last = (np.array([np.interp(stamp, drive.time, wheel) for wheel in drive.angles.T])
-                   for stamp in (start, end))
-    return np.vstack([first, inside, last])
+    first = int(np.searchsorted(drive.time, start, side='right'))
+    last = int(np.searchsorted(drive.time, end, side='left'))
+    around = slice(max(first - 1, 0), last + 1)
+    time, angles = drive.time[around], drive.angles[around]
+    ends = (np.array([np.interp(stamp, time, wheel) for wheel in angles.T])
+            for stamp in (start, end))
+    return np.vstack([next(ends), drive.angles[first:last], next(ends)])
