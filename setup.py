@@ -98,5 +98,8 @@ setup(
             'wheel_noise = diffdrive_kinematics.executables:wheel_noise',
             'wheel_odometry = diffdrive_kinematics.executables:wheel_odometry',
         ],
+        'pytest11': [
+            'diffdrive_kinematics.testing.plugin = diffdrive_kinematics.testing.plugin',
+        ],
     },
 )

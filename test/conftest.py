@@ -24,6 +24,8 @@ import pytest  # noqa: E402
 settings.register_profile('ci', derandomize=True, deadline=None)
 settings.load_profile('ci')
 
+pytest_plugins = ['diffdrive_kinematics.testing.plugin']  # also where it is not installed
+
 
 @pytest.fixture
 def graph():

@@ -86,7 +86,8 @@ def _member(text: str) -> Member:
     return Member(kind, name, namespace)
 
 
-def _class(kind: str) -> Type[DiffDriveNode]:
+def node_class(kind: str) -> Type[DiffDriveNode]:
+    """Return the class of a node by the name of its executable."""
     return getattr(import_module(f'diffdrive_kinematics.nodes.{kind}'), CLASSES[kind])
 
 
@@ -100,7 +101,7 @@ class DiffDriveSim(DiffDriveNode[Config]):
         shared: Dict[str, Any] = {'timers': self._steady}
         if self.config.clock_step_ns:
             shared = {'stepped': SteppedClock(), 'in_flight': InFlightMessages()}
-        classes = [_class(member.kind) for member in self.config.members]
+        classes = [node_class(member.kind) for member in self.config.members]
         if self.config.clock_step_ns:  # now, so that what comes second does not disturb the first
             check_alone(self, {self.resolve_topic_name('/clock'): []}, patience_s=FAREWELL_S)
         neighbours = tuple(member.name for member in self.config.members)

@@ -30,8 +30,8 @@ EXECUTABLES = {'calibrate', 'command_sequence', 'diff_drive_controller', 'diffdr
                'forward_projection', 'goal_steering', 'plot_paths', 'robot_description',
                'simulated_base', 'web_view', 'wheel_noise', 'wheel_odometry'}
 ROSDEP_KEY = {'numpy': 'python3-numpy', 'yaml': 'python3-yaml'}
-OPTIONAL = {  # extras of setup.py, or of ROS
-    'fastapi', 'matplotlib', 'nicegui', 'rosbag2_py', 'rosbags', 'uvicorn'}
+# extras of setup.py, or of ROS; pytest loads its plugin by itself
+OPTIONAL = {'fastapi', 'matplotlib', 'nicegui', 'pytest', 'rosbag2_py', 'rosbags', 'uvicorn'}
 
 
 @pytest.fixture
@@ -131,6 +131,22 @@ def test_every_executable_has_its_main(declared):
         file = ROOT.joinpath(*module.split('.')).with_suffix('.py')
         assert file.is_file(), f'{module} does not exist'
         assert function in callables(ast.parse(file.read_text(encoding='utf-8')))
+
+
+def test_the_pytest_plugin_is_declared_by_the_name_of_its_module(declared):
+    """So that naming it with -p, or in a conftest.py, does not load it twice."""
+    plugin, = declared['entry_points']['pytest11']
+    name, module = re.split(r'\s*=\s*', plugin)
+    assert name == module
+    assert ROOT.joinpath(*module.split('.')).with_suffix('.py').is_file()
+
+
+def test_the_pytest_plugin_loads_without_ros():
+    """Pytest loads it in every environment."""
+    tree = ast.parse((PACKAGE / 'testing' / 'plugin.py').read_text(encoding='utf-8'))
+    door = ast.parse((PACKAGE / 'testing' / '__init__.py').read_text(encoding='utf-8'))
+    assert imported(tree, lazy=False) - set(sys.stdlib_module_names) == {'pytest'}
+    assert imported(door, lazy=False) <= set(sys.stdlib_module_names)
 
 
 def test_every_import_is_a_declared_dependency(manifest):

@@ -24,13 +24,16 @@ For one turn that is the sum of a polygon and a line, from the least to the larg
 goes with the turn.  Over the turns its edges sweep a mesh of triangles; the outer boundary of the
 mesh runs along edges all of whose triangles lie on one side.  What chords cut off is added as a
 margin in every step: the polygon is an outer one.  Holes are filled.
+
+Where a command became a state (:func:`augmented`), ``pieces`` cuts the steps until the robot
+nearly moves along arcs on each piece, and what it strays from them is added as well.
 """
 
-import math
 from typing import NamedTuple, Sequence, Tuple
 
 from diffdrive_kinematics.core.models.disturbance import Disturbance, Step
 from diffdrive_kinematics.core.models.mesh import swept, widened
+from diffdrive_kinematics.core.models.pieces import Piece, pieces_of, stray
 from diffdrive_kinematics.core.models.rolling import Rolling
 from diffdrive_kinematics.core.models.system import ControlSystem, Vector
 from diffdrive_kinematics.core.noise import area, perimeter, simplified
@@ -67,6 +70,7 @@ class _Motions(NamedTuple):
     edges: Array
     missed_distance: float
     missed_turn: float
+    missed_place: float
 
 
 def reachable_boundary(
@@ -77,10 +81,10 @@ def reachable_boundary(
 
     Parameters
     ----------
-    system : Rolling
-        Robot with two commands that moves along arcs.
+    system : ControlSystem
+        Robot with two commands that moves along arcs, or such a one :func:`augmented`.
     start : tuple of float
-        Pose: x [m], y [m] and theta [rad].
+        State: x [m], y [m], theta [rad], and the commands that became states.
     steps : sequence of (command, duration)
         Commands, and for how long [s] each is held; at least one.
     disturbance : Disturbance
@@ -109,33 +113,22 @@ def reachable_boundary(
     """
     if not steps:
         raise ValueError('steps is empty, expected at least one (command, duration)')
-    if not isinstance(system, Rolling) or len(system.commands) != 2:
-        raise ValueError(
-            f'the system has states {[each.name for each in system.states]} and commands '
-            f'{[each.name for each in system.commands]}, expected two commands that decide the '
-            'twist')
+    robot, pieces = pieces_of(system, start, steps, disturbance)
     polygon, margin = np.zeros(1, np.complex128), 0.0
-    for command, duration in reversed(steps):
-        motions = _motions(system, start, command, duration, disturbance)
-        polygon, margin = _before(polygon, margin, motions, SHARE / (len(steps) + 1))
-    x, y, theta = map(float, start)
+    for piece in reversed(pieces):
+        polygon, margin = _before(
+            polygon, margin, _motions(robot, piece), SHARE / (len(pieces) + 1))
+    x, y, theta = map(float, start[:3])
     placed = complex(x, y) + np.exp(1j * theta) * widened(polygon, margin + LEAST)
     return placed.real.copy(), placed.imag.copy()
 
 
-def _motions(
-        system: Rolling, start: Vector, command: Vector, duration: float,
-        disturbance: Disturbance) -> _Motions:
-    """Return the motions of the box of commands that is left of u + W(u) by the bounds U."""
-    half = disturbance.bounds(command)
-    if not all(map(math.isfinite, half)):
-        raise ValueError(
-            f'distribution is {disturbance.distribution!r}, expected a bounded one')
-    first, second = (
-        np.linspace(np.clip(u - w, *bound), np.clip(u + w, *bound), 2 * LINES - 1)
-        for u, w, bound in zip(command, half, system.bounds(start)))
-    v, w = system.twist((first[:, None], second[None, :]))
-    d, t = (duration * np.broadcast_to(value, (len(first), len(second))) for value in (v, w))
+def _motions(robot: Rolling, piece: Piece) -> _Motions:
+    """Return the motions of a piece: lines through its box, and what they miss."""
+    first, second = (np.linspace(*ends, 2 * LINES - 1) for ends in piece.box)
+    v, w = robot.twist((first[:, None], second[None, :]))
+    d, t = (piece.duration * np.broadcast_to(value, (len(first), len(second)))
+            for value in (v, w))
     missed = []
     for grid in (d, t):
         chords = [0.5 * (lines[:-2:2] + lines[2::2]) - lines[1::2] for lines in (
@@ -145,7 +138,9 @@ def _motions(
     ends = [np.stack([np.concatenate([grid[:-1].ravel(), grid[:, :-1].ravel()]),
                       np.concatenate([grid[1:].ravel(), grid[:, 1:].ravel()])]) for grid in (d, t)]
     edges = np.stack([t[0], t[-1], t[:, 0], t[:, -1]])
-    return _Motions(ends[0], ends[1], edges, missed[0], missed[1])
+    strayed = stray(robot, piece)
+    return _Motions(ends[0], ends[1], edges, missed[0] + strayed.distance,
+                    missed[1] + strayed.turn, strayed.place)
 
 
 def _before(
@@ -153,7 +148,7 @@ def _before(
     """Return the set one step earlier, and how far the true one may reach beyond it [m]."""
     reach = float(np.max(np.abs(polygon))) + margin
     missed = 2.0 * (motions.missed_distance + motions.missed_turn * (
-        reach + float(np.abs(motions.distance).max())))
+        reach + float(np.abs(motions.distance).max()))) + motions.missed_place
     slices = FEWEST_SLICES
     while True:
         turns, low, high, sagitta = _slices(motions, reach, slices)

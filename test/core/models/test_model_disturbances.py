@@ -48,6 +48,28 @@ CASES = {
                     bounded([0.1, 0.3], distribution='truncated_gaussian')),
     'Ackermann': (ackermann_car(wheel_base=2.0, track=1.2, max_steering=0.7),
                   [((3.0, 0.6), 0.5)] * 3, bounded([0.3, 0.3]))}
+SMOOTH = {
+    'bounded rate of steering': (
+        augmented(TRICYCLE, 'phi', bound=2.0), (0.2,), [((1.0, 0.3), 0.5)] * 3,
+        bounded([0.1, 0.4]), 0.15),
+    'only the rate of steering': (
+        augmented(TRICYCLE, 'phi', bound=2.0), (0.0,), [((1.0, 0.0), 0.5)] * 3,
+        bounded([0.0, 0.4]), 0.1),
+    'to the stop': (
+        augmented(TRICYCLE, 'phi', bound=2.0), (0.9,), [((1.0, 0.5), 0.5)] * 3,
+        bounded([0.1, 0.4]), 0.5),
+    'bounded acceleration': (
+        augmented(unicycle(max_speed=1.2), 's', bound=1.0), (0.5,),
+        [((0.5, 0.4), 0.5), ((-0.5, -0.4), 0.8)], bounded([0.3, 0.2]), 0.15),
+    'bounded jerk': (
+        augmented(augmented(unicycle(), 's', bound=1.0), 's_rate', bound=4.0), (0.5, 0.0),
+        [((1.0, 0.4), 0.5), ((-2.0, -0.4), 0.5)], bounded([0.5, 0.2]), 0.15),
+    'both commands': (
+        augmented(augmented(front_drive_tricycle(wheel_base=0.7), 'phi', bound=1.0), 's_w',
+                  bound=1.0), (0.3, 1.0), [((0.5, 0.4), 0.5)] * 2, bounded([0.2, 0.3]), 0.4)}
+"""The last number: within which part of its size the boundary is near to what is reached."""
+smooth = pytest.mark.parametrize(
+    ('system', 'held', 'steps', 'disturbance', 'near'), SMOOTH.values(), ids=SMOOTH)
 case = pytest.mark.parametrize(('system', 'steps', 'disturbance'), CASES.values(), ids=CASES)
 
 
@@ -69,9 +91,9 @@ def outside(polygon, points):
     return far
 
 
-def extremes(system, steps, disturbance, generator, n=10_000):
+def extremes(system, steps, disturbance, generator, n=10_000, start=START):
     """Return where errors lead of which most are as large as they can be."""
-    state = tuple(np.full(n, value) for value in START)
+    state = tuple(np.full(n, value) for value in start)
     for command, duration in steps:
         disturbed = []
         for u, bound in zip(command, disturbance.bounds(command)):
@@ -105,6 +127,40 @@ def test_what_a_step_can_reach_comes_near_to_every_vertex_of_its_boundary(
     size = abs(reached - reached[0]).max()
     assert max(abs(reached - vertex).min() for vertex in x + 1j * y) < 0.02 * size
     assert abs(outside(x + 1j * y, reached)).max() < 1e-6
+
+
+@smooth
+def test_ten_thousand_samples_of_augmented_systems_and_as_many_extremes_lie_inside(
+        system, held, steps, disturbance, near):
+    start = (*START, *held)
+    x, y = reachable_boundary(system, start, steps, disturbance)
+    generator = np.random.default_rng(1)
+    paths = sample_paths(system, start, steps, disturbance, n=10_000, generator=generator)
+    assert outside(x + 1j * y, paths[0][-1] + 1j * paths[1][-1]).max() < 1e-6
+    ends = extremes(system, steps, disturbance, generator, start=start)
+    assert outside(x + 1j * y, ends).max() < 1e-6
+
+
+@smooth
+def test_what_augmented_systems_can_reach_comes_near_to_every_vertex(
+        system, held, steps, disturbance, near):
+    """Not all of it: errors that are constant over a step are fewer than it counts with."""
+    start = (*START, *held)
+    x, y = reachable_boundary(system, start, steps, disturbance)
+    reached = extremes(
+        system, steps, disturbance, np.random.default_rng(1), n=20_000, start=start)
+    size = abs(reached - reached.mean()).max()
+    assert max(abs(reached - vertex).min() for vertex in x + 1j * y) < near * size
+
+
+def test_a_rate_without_errors_bounds_what_a_state_can_do():
+    """Without errors the set is a point: where the system goes."""
+    system, steps = augmented(TRICYCLE, 'phi', bound=2.0), [((1.0, 0.5), 0.5)] * 3
+    x, y = reachable_boundary(system, (*START, 0.1), steps, bounded([0.0, 0.0]))
+    state = (*START, 0.1)
+    for command, duration in steps:
+        state = transition(system, state, command, duration)
+    assert abs(x + 1j * y - (state[0] + 1j * state[1])).max() < 0.005
 
 
 def test_the_boundary_of_the_differential_drive_is_that_of_its_own_projection():
@@ -195,8 +251,8 @@ def test_paths_of_augmented_systems_keep_the_bounds_of_their_states():
      "distribution is 'gaussian'"),
     (lambda: reachable_boundary(TRICYCLE, START, [], bounded([0.1, 0.0])), 'steps is empty'),
     (lambda: reachable_boundary(
-        augmented(TRICYCLE, 'phi', bound=1.0), (*START, 0.0), TURN, bounded([0.1, 0.0])),
-     "['x', 'y', 'theta', 'phi']"),
+        augmented(TRICYCLE, 'phi', bound=1.0), START, TURN, bounded([0.1, 0.0])),
+     "one for each of ['x', 'y', 'theta', 'phi']"),
     (lambda: sample_paths(TRICYCLE, START, TURN, bounded([0.1, 0.1]), n=0, generator=None),
      'n is 0')])
 def test_what_makes_no_sense_is_refused_by_name_and_value(make, words):

@@ -1,0 +1,135 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Processes under test: started, watched, and ended whatever happens."""
+
+import os
+from pathlib import Path
+import re
+import signal
+import subprocess
+import tempfile
+from typing import Dict, Mapping, Optional, Sequence, Set
+
+__all__ = ['Process', 'ProcessFailed']
+
+PATIENCE_S = 3.0
+LINES = 40
+SHARED_MEMORY = re.compile(r'/dev/shm/\S*fastrtps_\S+')
+
+
+class ProcessFailed(AssertionError):
+    """A process under test ended with an error, or does not answer."""
+
+
+class Process:
+    """
+    A process under test.
+
+    Parameters
+    ----------
+    command : sequence of str
+        What to run; ``--ros-args -p use_sim_time:=true`` is added.
+    environment : mapping
+        Variables to set.
+    name : str
+        What to call it in errors.
+    lockstep : bool
+        Whether it acknowledges each step (``diffdrive_kinematics.testing.spin``).
+
+    """
+
+    def __init__(
+            self, command: Sequence[str], environment: Mapping[str, str], *, name: str,
+            lockstep: bool) -> None:
+        self.name, self.lockstep = name, lockstep
+        self.acknowledged_ns = -1
+        self.shared_memory: Set[str] = set()
+        self._file = tempfile.TemporaryFile(mode='w+')
+        self._popen = subprocess.Popen(
+            [*command, '--ros-args', '-p', 'use_sim_time:=true'], stdin=subprocess.DEVNULL,
+            stdout=self._file, stderr=subprocess.STDOUT, start_new_session=True,
+            env={**os.environ, **environment})
+
+    @property
+    def running(self) -> bool:
+        """Return whether it has not ended."""
+        return self._popen.poll() is None
+
+    @property
+    def status(self) -> Optional[int]:
+        """Return its exit status; None: it runs."""
+        return self._popen.poll()
+
+    @property
+    def output(self) -> str:
+        """Return what it has written so far."""
+        self._file.seek(0)
+        return self._file.read()
+
+    def check(self) -> None:
+        """Raise ``ProcessFailed`` if it has ended with an error."""
+        if self.status:
+            raise ProcessFailed(self.describe(f'ended with status {self.status}'))
+
+    def describe(self, what: str) -> str:
+        """Return its name, what is wrong with it, and the end of its output."""
+        lines = self.output.splitlines()[-LINES:]
+        return '\n'.join([f'{self.name} {what}; its output ends:', *lines])
+
+    def kill(self) -> None:
+        """End it at once, as a crash does."""
+        self._end(signal.SIGKILL)
+
+    def stop(self) -> None:
+        """End it as Ctrl-C does, and harder where that does not help."""
+        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGKILL):
+            if self._end(number):
+                return
+
+    def close(self) -> None:
+        """End it and its children, and forget its output."""
+        self.stop()
+        self._signal(signal.SIGKILL)
+        self._file.close()
+
+    def _end(self, number: int) -> bool:
+        self._note_shared_memory()
+        if self.running:
+            self._signal(number)
+        try:
+            self._popen.wait(PATIENCE_S)
+        except subprocess.TimeoutExpired:
+            return False
+        return True
+
+    def _signal(self, number: int) -> None:
+        try:
+            os.killpg(self._popen.pid, number)
+        except ProcessLookupError:
+            pass
+
+    def _note_shared_memory(self) -> None:
+        """Note what a process that is killed leaves behind of Fast DDS."""
+        try:
+            maps = Path(f'/proc/{self._popen.pid}/maps').read_text()
+        except OSError:
+            return
+        self.shared_memory.update(SHARED_MEMORY.findall(maps))
+
+
+def environment_of(domain: int) -> Dict[str, str]:
+    """Return the variables of a process in a domain that is heard on this machine only."""
+    return {'ROS_DOMAIN_ID': str(domain), 'ROS_AUTOMATIC_DISCOVERY_RANGE': 'LOCALHOST',
+            'PYTHONUNBUFFERED': '1', 'RCUTILS_COLORIZED_OUTPUT': '0'}

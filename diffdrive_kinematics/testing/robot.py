@@ -1,0 +1,353 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""A simulated robot inside a test, and the processes under test beside it."""
+
+import math
+import os
+from pathlib import Path
+import tempfile
+from typing import Any, Callable, List, Mapping, NamedTuple, Optional, Sequence, Union
+
+from diffdrive_kinematics.nodes.diffdrive_sim import Member, node_class
+from diffdrive_kinematics.ros.runtime.clocks import SteppedClock
+from diffdrive_kinematics.ros.runtime.running import make_executor
+from diffdrive_kinematics.testing.composition import composition
+from diffdrive_kinematics.testing.domains import FreeDomain
+from diffdrive_kinematics.testing.messages import Recorded, RecordedMessages
+from diffdrive_kinematics.testing.processes import environment_of, Process
+from diffdrive_kinematics.testing.stepping import Stepping
+from geometry_msgs.msg import Twist, TwistStamped
+import rclpy
+from rclpy.duration import Duration
+from rclpy.signals import SignalHandlerOptions
+
+__all__ = ['Robot', 'State']
+
+BASES = 'simulated_base', 'wheel_odometry'
+HEARD_S = 10.0
+RANGE = 'ROS_AUTOMATIC_DISCOVERY_RANGE'
+
+
+class State(NamedTuple):
+    """Where a robot is [m, m, rad] and how it moves [m/s, rad/s]."""
+
+    x: float
+    y: float
+    yaw: float
+    speed: float
+    yaw_rate: float
+
+    def distance_to(self, x: float, y: float) -> float:
+        """Return the distance [m] to a place."""
+        return math.hypot(self.x - x, self.y - y)
+
+
+class Robot:
+    """
+    A robot of the package's nodes on stepped time, in a ROS domain of its own.
+
+    Parameters
+    ----------
+    config : path or mapping, optional
+        Params file of ``diffdrive_sim``, or what one would hold; None: one robot with a belief
+        (``odom``) and a truth (``ground_truth``).
+    params : mapping, optional
+        Parameters of all nodes.
+    noise : mapping, optional
+        Parameters of ``wheel_noise``.
+    clock_step : float, optional
+        Step of the clock [s]; None: that of the file, or 0.02.
+
+    """
+
+    def __init__(
+            self, config: Union[str, Path, Mapping[str, Any], None] = None, *,
+            params: Optional[Mapping[str, Any]] = None,
+            noise: Optional[Mapping[str, Any]] = None,
+            clock_step: Optional[float] = None) -> None:
+        made = composition(config, params or {}, noise or {}, clock_step)
+        self._members = made.members
+        self._nodes: 'dict[str, Any]' = {}
+        self._parts: 'dict[str, tuple[List[Any], List[str]]]' = {}
+        self._publishers: 'dict[str, Any]' = {}
+        self._processes: List[Process] = []
+        self._executor: Any = None
+        self._context = rclpy.Context()
+        self._range = os.environ.get(RANGE)
+        self._domain = FreeDomain()
+        self.domain = self._domain.id
+        try:
+            self._start(made.params, made.step_ns)
+        except BaseException:
+            self.close()
+            raise
+
+    def _start(self, params: str, step_ns: int) -> None:
+        os.environ[RANGE] = 'LOCALHOST'
+        with tempfile.NamedTemporaryFile('w', suffix='.yaml') as file:
+            file.write(params)
+            file.flush()
+            rclpy.init(args=['--ros-args', '--params-file', file.name], context=self._context,
+                       domain_id=self.domain, signal_handler_options=SignalHandlerOptions.NO)
+        self._clock = SteppedClock()
+        self._messages = RecordedMessages(self._clock)
+        self._observer = rclpy.create_node(
+            'diffdrive_test', context=self._context, use_global_arguments=False,
+            start_parameter_services=False)
+        self._executor = make_executor([self._observer])
+        for member in self._members:
+            self._add(member)
+        self._stepping = Stepping(
+            self._observer, self._executor, self._clock, self._messages, step_ns)
+        self._settle()
+
+    def _add(self, member: Member) -> None:
+        timers = list(self._clock.timers)
+        node = node_class(member.kind)(
+            member.name, namespace=member.namespace, context=self._context,
+            stepped=self._clock, in_flight=self._messages,
+            neighbours=[each.name for each in self._members])
+        self._nodes[_path(member)] = node
+        self._parts[_path(member)] = (
+            [timer for timer in self._clock.timers if timer not in timers],
+            self._messages.listeners_made())
+        self._messages.know_types(node)
+        self._executor.add_node(node)
+
+    def _settle(self) -> None:
+        """Wait until the nodes hear each other."""
+        self._stepping.wait(
+            lambda: self._messages.matched() and all(
+                node.ready() for node in self._nodes.values()), 'hear itself', [])
+
+    @property
+    def time(self) -> float:
+        """Return the simulated time [s]."""
+        return self._clock.now_ns() / 1e9
+
+    @property
+    def odom(self) -> State:
+        """Return where the robot believes to be."""
+        return self._state(self._bases(noisy=False) or self._bases(noisy=True))
+
+    @property
+    def truth(self) -> State:
+        """Return where the robot is."""
+        return self._state(self._bases(noisy=True) or self._bases(noisy=False))
+
+    def _bases(self, *, noisy: bool) -> List[Any]:
+        """Return the bases that are fed with noise, or those that are not."""
+        live = [(member, self._nodes[_path(member)]) for member in self._members
+                if _path(member) in self._nodes]
+        outputs = {
+            _topic(node, 'output_topic') for member, node in live if member.kind == 'wheel_noise'}
+        return [node for member, node in live if member.kind in BASES
+                and (_topic(node, 'wheel_motion_topic') in outputs) == noisy]
+
+    def _state(self, bases: List[Any]) -> State:
+        if not bases:
+            raise LookupError('no simulated_base is alive, expected one')
+        reading = bases[0].reading()
+        return State(*map(float, reading.pose), *map(float, reading.twist))
+
+    def history(self, topic: str) -> List[Recorded]:
+        """Return all messages of a topic so far, each with its simulated time [s]."""
+        return self._messages.history(self._observer.resolve_topic_name(topic))
+
+    def listen(self, message_type: type, topic: str) -> None:
+        """Keep the messages of a topic to which no node of the robot listens."""
+        name = self._observer.resolve_topic_name(topic)
+        self._observer.create_subscription(
+            message_type, topic, self._messages.counted(name, lambda message: None), 1000)
+        self._messages.know_types(self._observer)
+        self._stepping.wait(self._stepping.all_matched, 'be heard', [])
+
+    def publish(self, topic: str, message: Any) -> None:
+        """Publish a message; whoever listens in the graph has it before time goes on."""
+        name = self._observer.resolve_topic_name(topic)
+        if name not in self._publishers:
+            publisher = self._observer.create_publisher(type(message), topic, 100)
+            self._messages.count_sent(publisher, self._observer.get_fully_qualified_name())
+            self._publishers[name] = publisher
+            self._stepping.wait(
+                lambda: publisher.get_subscription_count() >= max(
+                    1, self._observer.count_subscribers(name)),
+                f'find who listens to {topic!r}', [], timeout=HEARD_S)
+        self._publishers[name].publish(message)
+        if not self._publishers[name].wait_for_all_acked(Duration(seconds=HEARD_S)):
+            raise AssertionError(f'who listens to {topic!r} did not get a message in {HEARD_S} s')
+        self._stepping.deliver()
+
+    def drive(self, v: float, w: float, seconds: float) -> None:
+        """Publish a command [m/s, rad/s] in every step for some simulated seconds."""
+        controller = next(
+            self._nodes[_path(member)] for member in self._members
+            if member.kind == 'diff_drive_controller' and _path(member) in self._nodes)
+        stamped = controller.get_parameter('enable_stamped_cmd_vel').value
+        message = TwistStamped() if stamped else Twist()
+        twist = message.twist if stamped else message
+        twist.linear.x, twist.angular.z = float(v), float(w)
+        for _ in range(self._steps(seconds)):
+            self.publish(_topic(controller, 'cmd_vel_topic'), message)
+            self._stepping.step()
+
+    def advance(
+            self, seconds: float, *, wait_for: Optional[str] = None,
+            period: Optional[float] = None) -> None:
+        """
+        Let simulated seconds pass, as fast as all can follow.
+
+        Parameters
+        ----------
+        seconds : float
+            How many, in whole steps of the clock.
+        wait_for : str, optional
+            Topic that a process publishes once a ``period``: ``/clock`` moves by whole periods,
+            and each time that message is waited for.
+        period : float, optional
+            Of that topic [s]; None: a step of the clock.
+
+        Raises
+        ------
+        ProcessFailed
+            If a process ended with an error, or does not answer.
+
+        """
+        each = self._steps(period) if period else 1
+        topic = self._observer.resolve_topic_name(wait_for) if wait_for else None
+        for number in range(1, self._steps(seconds) + 1):
+            self._stepping.step(tell=not topic or number % each == 0, wait_for=topic)
+
+    def advance_until(
+            self, condition: Callable[[], Any], *, timeout: float, **options: Any) -> None:
+        """
+        Let time pass until a condition holds; it is asked after every step, or period.
+
+        Raises
+        ------
+        AssertionError
+            If it does not hold within ``timeout`` simulated seconds.
+
+        """
+        step = options.get('period') or self._stepping.step_ns / 1e9
+        for _ in range(math.ceil(timeout / step)):
+            self.advance(step, **options)
+            if condition():
+                return
+        raise AssertionError(
+            f'not within {timeout} simulated seconds; odom is {self.odom}\n' + '\n'.join(
+                process.describe('runs') for process in self._processes))
+
+    def start_process(
+            self, command: Sequence[str], *, lockstep: bool = False,
+            environment: Optional[Mapping[str, str]] = None) -> Process:
+        """
+        Start a process under test in the robot's domain, on its clock, and wait until it is there.
+
+        Parameters
+        ----------
+        command : sequence of str
+            What to run.
+        lockstep : bool
+            Whether it calls ``diffdrive_kinematics.testing.spin``: then every step waits for it.
+        environment : mapping, optional
+            Variables to set.
+
+        Returns
+        -------
+        Process
+            With ``output``, ``running``, ``stop()`` and ``kill()``.
+
+        """
+        process = Process(
+            [str(part) for part in command],
+            {**environment_of(self.domain), **(environment or {})},
+            name=' '.join(Path(str(part)).name for part in command), lockstep=lockstep)
+        self._processes.append(process)
+        self._stepping.begin(process)
+        return process
+
+    def drop(self, topic: str, share: float, *, seed: int = 0) -> None:
+        """Lose a share of the messages of a topic from now on, the same ones in every run."""
+        self._messages.lose(self._observer.resolve_topic_name(topic), share, seed)
+
+    def delay(self, topic: str, seconds: float) -> None:
+        """Hand the messages of a topic on later from now on, in steps of the clock."""
+        self._messages.delay(
+            self._observer.resolve_topic_name(topic), round(seconds * 1e9))
+
+    def kill(self, name: str) -> None:
+        """End a node of the robot at once, as a crash does."""
+        node = self._nodes.pop(self._known(name, self._nodes))
+        timers, topics = self._parts.pop(name)
+        for timer in timers:
+            timer.cancel()
+        self._messages.forget_node(node, topics)
+        self._executor.remove_node(node)
+        node.destroy_node()
+
+    def restart(self, name: str) -> None:
+        """Start a node of the robot again; one that is alive is killed before."""
+        members = {_path(member): member for member in self._members}
+        member = members[self._known(name, members)]
+        if name in self._nodes:
+            self.kill(name)
+        self._add(member)
+        self._settle()
+
+    def _known(self, name: str, names: Mapping[str, Any]) -> str:
+        if name not in names:
+            raise LookupError(f'the node is {name!r}, expected one of {list(names)}')
+        return name
+
+    def step_clock(self, seconds: float) -> None:
+        """Step the clock itself, forward or back, as a time server does."""
+        self._stepping.jump(round(seconds * 1e9))
+
+    def close(self) -> None:
+        """End everything."""
+        for process in self._processes:
+            process.close()
+        for node in self._nodes.values():
+            self._executor.remove_node(node)
+            node.destroy_node()
+        if self._executor:
+            self._executor.shutdown()
+            self._observer.destroy_node()
+        rclpy.try_shutdown(context=self._context)
+        for path in {each for process in self._processes for each in process.shared_memory}:
+            Path(path).unlink(missing_ok=True)  # nobody else was in this domain
+        if self._range is None:
+            os.environ.pop(RANGE, None)
+        else:
+            os.environ[RANGE] = self._range
+        self._domain.close()
+
+    def _steps(self, seconds: float) -> int:
+        steps = round(seconds * 1e9 / self._stepping.step_ns)
+        if steps < 1 or not math.isfinite(seconds):
+            raise ValueError(f'the time is {seconds!r} s, expected at least a step of the clock, '
+                             f'{self._stepping.step_ns / 1e9} s')
+        return steps
+
+
+def _path(member: Member) -> str:
+    """Return the name of a member with its namespace."""
+    return f'{member.namespace}/{member.name}'.lstrip('/')
+
+
+def _topic(node: Any, parameter: str) -> str:
+    name: str = node.resolve_topic_name(node.get_parameter(parameter).value)
+    return name

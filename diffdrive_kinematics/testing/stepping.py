@@ -1,0 +1,214 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Time of a robot under test: it moves on when all who take part have handled the last step."""
+
+import time
+from typing import Any, Callable, List, Optional
+
+from diffdrive_kinematics.ros.messages.messages import set_stamp
+from diffdrive_kinematics.ros.parameters.qos import reliable
+from diffdrive_kinematics.ros.runtime.clocks import SteppedClock
+from diffdrive_kinematics.testing.lockstep import IDLE_TOPIC
+from diffdrive_kinematics.testing.messages import RecordedMessages
+from diffdrive_kinematics.testing.processes import Process, ProcessFailed
+from rclpy.executors import Executor
+from rclpy.node import Node
+from rosgraph_msgs.msg import Clock
+from std_msgs.msg import Header
+
+__all__ = ['Stepping']
+
+DEADLINE_S = 20.0
+POLL_S = 0.02
+REPEAT_S = 0.5
+SILENCE_S = 0.003
+"""For how long nothing may come from a process that does not say when it is done."""
+
+STILL_S = 0.5
+"""For how long the graph may not change before such a process counts as ready."""
+
+
+class Stepping:
+    """
+    Steps the clock of a robot's nodes and of the processes under test.
+
+    Parameters
+    ----------
+    observer : Node
+        Node of the test.
+    executor : Executor
+        Of it and of the robot's nodes.
+    clock, messages :
+        What the robot's nodes share.
+    step_ns : int
+        Length of a step [ns].
+
+    """
+
+    def __init__(
+            self, observer: Node, executor: Executor, clock: SteppedClock,
+            messages: RecordedMessages, step_ns: int) -> None:
+        self._observer, self._executor = observer, executor
+        self.clock, self._messages, self.step_ns = clock, messages, step_ns
+        self.processes: List[Process] = []
+        self._publisher = observer.create_publisher(Clock, '/clock', reliable(10))
+        observer.create_subscription(Header, IDLE_TOPIC, self._on_idle, reliable(1000))
+        self._idle_ns: 'dict[str, int]' = {}
+        self._ends: 'dict[str, List[str]]' = {}
+
+    def step(self, *, tell: bool = True, wait_for: Optional[str] = None) -> None:
+        """Let one step pass; ``tell`` the processes, and wait until they have handled it."""
+        self.clock.advance_to(self.clock.now_ns() + self.step_ns)
+        self._messages.forget()
+        if self._messages.hand_on_late():
+            self.deliver()
+        for timer in self.clock.due():
+            self.clock.fire(timer)
+            self.deliver()
+        if tell:
+            self.tell(wait_for)
+
+    def jump(self, step_ns: int) -> None:
+        """Step the clock itself; timers of robots do not run on it, and go on as before."""
+        for timer in self.clock.timers:
+            timer.next_ns += step_ns
+        self._messages.clock_stepped(step_ns)
+        self.clock.advance_to(self.clock.now_ns() + step_ns)
+        self.tell()
+
+    def tell(self, wait_for: Optional[str] = None) -> None:
+        """Show the time to the processes, and wait until they have handled it."""
+        for process in self.processes:
+            process.check()
+        came = self._messages.arrived[wait_for] if wait_for else 0
+        now_ns = self.clock.now_ns()
+        self._show()
+        steady = [each for each in self.processes if each.lockstep and each.running]
+        if steady:
+            self.wait(lambda: all(
+                self._idle_ns.get(each.name, -1) >= now_ns or not each.running
+                for each in steady), 'acknowledge the step', steady, show=True)
+        if wait_for:
+            self.wait(lambda: self._messages.arrived[wait_for] > came,
+                      f'publish {wait_for!r}', self.processes, show=True)
+        elif any(each.running and not each.lockstep for each in self.processes):
+            self._be_silent()
+        self.deliver()
+
+    def deliver(self) -> None:
+        """Let every message between the robot's nodes be handled, and all that these cause."""
+        if not self._messages.settled():
+            self.wait(self._messages.settled, 'handle a message', [])
+
+    def wait(
+            self, condition: Callable[[], Any], what: str, processes: List[Process], *,
+            show: bool = False, timeout: Optional[float] = None) -> None:
+        """Spin until a condition holds, or raise ``ProcessFailed``."""
+        timeout = timeout or DEADLINE_S
+        deadline = time.monotonic() + timeout
+        show_at = time.monotonic() + REPEAT_S
+        while not condition():
+            self._executor.spin_once(timeout_sec=POLL_S)
+            now = time.monotonic()
+            if show and now > show_at:  # who finds the publisher late has missed it
+                self._show()
+                show_at = now + REPEAT_S
+                for process in self.processes:
+                    process.check()
+            if now > deadline:
+                names = [each for each in processes if each.running] or processes
+                raise ProcessFailed('\n'.join(
+                    each.describe(f'did not {what} within {timeout:.0f} s') for each in names)
+                    or f'the robot did not {what} within {timeout:.0f} s')
+
+    def begin(self, process: Process) -> None:
+        """Wait until a process is there, and all that it and the robot say is heard."""
+        self.processes.append(process)
+        if process.lockstep:
+            self.wait(lambda: self._greeted(process), 'call diffdrive_kinematics.testing.spin',
+                      [process], show=True)
+            self.wait(lambda: self._has_ends(process), 'show its topics', [process])
+            self.wait(self.all_matched, 'be heard', [process])
+        else:
+            before = self._publisher.get_subscription_count()
+            self.wait(lambda: self._publisher.get_subscription_count() > before
+                      or not process.running, 'listen to /clock', [process], show=True)
+            self._await_still()
+        process.check()
+
+    def _greeted(self, process: Process) -> bool:
+        """Return whether a newcomer has acknowledged the time; it gets its node's name."""
+        process.check()
+        known = {each.name for each in self.processes if each is not process}
+        new = [name for name in self._idle_ns if name not in known]
+        if new:
+            process.name = new[-1]
+        return bool(new)
+
+    def _has_ends(self, process: Process) -> bool:
+        namespace, name, *counts = self._ends[process.name]
+        try:
+            ends = [len(look(name, namespace)) for look in (
+                self._observer.get_subscriber_names_and_types_by_node,
+                self._observer.get_publisher_names_and_types_by_node)]
+        except RuntimeError:  # not known yet
+            return False
+        return all(seen >= int(told) for seen, told in zip(ends, counts))
+
+    def all_matched(self) -> bool:
+        """Return whether all publishers of this process have all who listen in the graph."""
+        observer = self._observer
+        nodes = self._executor.get_nodes()
+        subscriptions = [each for node in nodes for each in node.subscriptions]
+        return all(
+            publisher.get_subscription_count() >= observer.count_subscribers(publisher.topic_name)
+            for publisher in self._messages.publishers) and all(
+            each.get_publisher_count() >= observer.count_publishers(each.topic_name)
+            for each in subscriptions)
+
+    def _await_still(self) -> None:
+        """Wait until all are matched and the graph has not changed for a while."""
+        seen, since = None, time.monotonic()
+
+        def still() -> bool:
+            nonlocal seen, since
+            now = [sorted(self._observer.get_topic_names_and_types()), sorted(
+                (topic, self._observer.count_subscribers(topic))
+                for topic, _ in self._observer.get_topic_names_and_types())]
+            if now != seen or not self.all_matched():
+                seen, since = now, time.monotonic()
+            return time.monotonic() - since > STILL_S
+
+        self.wait(still, 'come to rest', self.processes, show=True)
+
+    def _be_silent(self) -> None:
+        """Spin until nothing has come for a while."""
+        came, until = sum(self._messages.arrived.values()), time.monotonic() + SILENCE_S
+        while time.monotonic() < until:
+            self._executor.spin_once(timeout_sec=max(0.0, until - time.monotonic()))
+            now = sum(self._messages.arrived.values())
+            if now > came:
+                came, until = now, time.monotonic() + SILENCE_S
+
+    def _show(self) -> None:
+        message = Clock()
+        set_stamp(message.clock, self.clock.now_ns())
+        self._publisher.publish(message)
+
+    def _on_idle(self, message: Header) -> None:
+        namespace, name, *counts = message.frame_id.split()
+        full = f"{namespace.rstrip('/')}/{name}"
+        self._ends[full] = [namespace, name, *counts]
+        self._idle_ns[full] = message.stamp.sec * 10**9 + message.stamp.nanosec

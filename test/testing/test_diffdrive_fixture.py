@@ -1,0 +1,229 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The fixture ``diffdrive``, which users of the package test their nodes with."""
+
+import hashlib
+from pathlib import Path
+import re
+import subprocess
+import sys
+
+from diffdrive_kinematics.testing import stepping
+from diffdrive_kinematics.testing.processes import ProcessFailed
+from geometry_msgs.msg import PoseStamped, Twist
+import pytest
+
+pytestmark = pytest.mark.ros
+
+PAGE = Path(__file__).resolve().parents[2] / 'docs' / 'tutorial' / 'test_your_node.md'
+ROBOT = {'wheel_radius': 0.033, 'wheel_separation': 0.16, 'enable_odom_tf': False}
+NOISE = {'left_bias': 0.01, 'left_slip_variance': 1e-5, 'right_slip_variance': 1e-5, 'seed': 3}
+BUSY = 'while True: pass'
+SPIN, LOCKSTEP = 'rclpy.spin(', 'from diffdrive_kinematics.testing import spin\nspin('
+
+
+@pytest.fixture
+def files(tmp_path):
+    """Return the directory with the files that the tutorial shows."""
+    blocks = re.findall(r'^```python\n# (\S+)\n(.*?)^```', PAGE.read_text(), re.M | re.S)
+    assert [name for name, _ in blocks] == ['my_planner.py', 'test_my_planner.py']
+    for name, text in blocks:
+        (tmp_path / name).write_text(text)
+    planner = (tmp_path / 'my_planner.py').read_text()
+    (tmp_path / 'in_lockstep.py').write_text(planner.replace(SPIN, LOCKSTEP))
+    return tmp_path
+
+
+def test_the_example_of_the_tutorial_passes_as_it_is_written(files):
+    run = subprocess.run(
+        [sys.executable, '-m', 'pytest', '-q', '-p', 'diffdrive_kinematics.testing.plugin',
+         'test_my_planner.py'], cwd=files, capture_output=True, text=True)
+    assert run.returncode == 0, run.stdout + run.stderr
+    assert '1 passed' in run.stdout
+
+
+def test_without_noise_belief_and_truth_are_one(diffdrive):
+    robot = diffdrive(params=ROBOT)
+    robot.drive(0.2, 0.0, 1.0)
+    robot.drive(0.2, 0.5, 1.0)
+    assert robot.odom == pytest.approx(robot.truth, abs=1e-12)
+    assert robot.time == 2.0 and robot.odom.speed == pytest.approx(0.2)
+    assert robot.odom.distance_to(0.0, 0.0) == pytest.approx(0.39, abs=0.01)
+    assert [each.time for each in robot.history('odom')][-3:] == [1.96, 1.98, 2.0]
+    robot.advance_until(lambda: robot.odom.speed == 0.0, timeout=1.0)
+    assert len(robot.history('cmd_vel')) == 100
+
+
+def test_noise_parts_belief_and_truth_the_same_way_in_every_run(diffdrive):
+    robot = diffdrive(params=ROBOT, noise=NOISE)
+    robot.drive(0.2, 0.1, 3.0)
+    assert 0.001 < robot.truth.distance_to(*robot.odom[:2]) < 0.1
+
+
+def test_a_share_of_the_messages_is_lost(diffdrive):
+    robot = diffdrive(params=ROBOT)
+    robot.drop('cmd_vel', 1.0)
+    robot.drive(0.2, 0.0, 0.5)
+    assert robot.odom.speed == 0.0
+    robot.drop('cmd_vel', 0.5)
+    robot.drive(0.2, 0.0, 0.5)
+    assert robot.odom.speed == pytest.approx(0.2)
+
+
+def test_messages_come_late(diffdrive):
+    robot = diffdrive(params=ROBOT)
+    robot.delay('cmd_vel', 0.2)
+    robot.drive(0.2, 0.0, 0.18)
+    assert robot.odom.speed == 0.0
+    robot.drive(0.2, 0.0, 0.1)
+    assert robot.odom.speed == pytest.approx(0.2)
+
+
+def test_a_node_that_is_killed_is_gone_and_comes_back_where_it_starts(diffdrive):
+    robot = diffdrive(params=ROBOT)
+    robot.drive(0.2, 0.0, 0.5)
+    robot.kill('simulated_base')
+    count = len(robot.history('odom'))
+    robot.drive(0.2, 0.0, 0.5)
+    assert len(robot.history('odom')) == count
+    robot.restart('simulated_base')
+    robot.drive(0.2, 0.0, 0.5)
+    assert robot.odom.x == pytest.approx(robot.truth.x - 0.2, abs=0.01)
+    with pytest.raises(LookupError, match="the node is 'nobody'"):
+        robot.kill('nobody')
+
+
+def test_the_clock_steps_and_the_robot_goes_on(diffdrive):
+    robot = diffdrive(params=ROBOT)
+    robot.drive(0.2, 0.0, 1.0)
+    robot.step_clock(-0.5)
+    assert robot.time == 0.5
+    robot.drive(0.2, 0.0, 1.0)
+    assert robot.odom.speed == pytest.approx(0.2) and robot.time == 1.5
+
+
+@pytest.mark.parametrize('config', ['file', 'mapping'])
+def test_a_params_file_composes_the_nodes(diffdrive, tmp_path, config):
+    sections = {'/**': {'ros__parameters': {**ROBOT, 'clock_step': 0.05}}, '/**/diffdrive_sim': {
+        'ros__parameters': {'nodes': ['diff_drive_controller', 'simulated_base:belief']}}}
+    if config == 'file':
+        import yaml
+        path = tmp_path / 'robot.yaml'
+        path.write_text(yaml.safe_dump(sections))
+        sections = path
+    robot = diffdrive(sections, params={'cmd_vel_timeout': 0.2})
+    robot.drive(0.1, 0.0, 1.0)
+    assert robot.time == pytest.approx(1.0) and robot.odom == robot.truth
+    robot.advance(0.3)
+    assert robot.odom.speed == 0.0
+
+
+def test_a_process_that_dies_is_reported_by_name_with_its_output(diffdrive, files):
+    path = files / 'dies.py'
+    path.write_text((files / 'my_planner.py').read_text().replace(
+        '        command = Twist()', "        raise RuntimeError('no plan')"))
+    robot = diffdrive(params=ROBOT)
+    with pytest.raises(ProcessFailed, match=r'dies.py[\s\S]*no plan'):
+        robot.start_process([sys.executable, path])
+        robot.advance(5.0, wait_for='cmd_vel')
+
+
+def test_a_process_that_hangs_is_reported_by_name_with_its_output(
+        diffdrive, files, monkeypatch):
+    monkeypatch.setattr(stepping, 'DEADLINE_S', 8.0)
+    path = files / 'hangs.py'
+    path.write_text((files / 'in_lockstep.py').read_text().replace(
+        '        command = Twist()', "        print('thinking')\n        while True: pass"))
+    robot = diffdrive(params=ROBOT)
+    process = robot.start_process([sys.executable, path], lockstep=True)
+    with pytest.raises(ProcessFailed, match=r'my_planner did not acknowledge[\s\S]*thinking'):
+        robot.advance(1.0)
+    assert process.running
+
+
+def test_every_process_ends_with_the_test_even_one_that_ignores_it(diffdrive, files):
+    path = files / 'stubborn.py'
+    path.write_text('import signal\nfor number in (signal.SIGINT, signal.SIGTERM):\n'
+                    '    signal.signal(number, signal.SIG_IGN)\n'
+                    + (files / 'my_planner.py').read_text().replace(
+                        'rclpy.init()', 'rclpy.init(signal_handler_options='
+                        'rclpy.signals.SignalHandlerOptions.NO)'))
+    robot = diffdrive(params=ROBOT)
+    process = robot.start_process([sys.executable, path])
+    shared = set(process.shared_memory)
+    robot.close()
+    assert not process.running
+    assert not [each for each in shared | process.shared_memory if Path(each).exists()]
+
+
+def test_robots_of_one_test_do_not_hear_each_other(diffdrive):
+    one, other = diffdrive(params=ROBOT), diffdrive(params=ROBOT)
+    assert one.domain != other.domain
+    one.drive(0.2, 0.0, 0.5)
+    other.advance(0.5)
+    assert one.odom.x > 0.05 and other.odom.x == 0.0
+
+
+def test_what_nobody_listens_to_is_said(diffdrive, monkeypatch):
+    from diffdrive_kinematics.testing import robot as module
+    monkeypatch.setattr(module, 'HEARD_S', 0.3)
+    robot = diffdrive(params=ROBOT)
+    with pytest.raises(AssertionError, match="who listens to 'goal_pose'"):
+        robot.publish('goal_pose', PoseStamped())
+    with pytest.raises(KeyError, match='scan'):
+        robot.history('scan')
+
+
+def test_a_topic_of_others_is_kept_when_it_is_listened_to(diffdrive):
+    robot = diffdrive(params=ROBOT)
+    robot.listen(Twist, 'plan')
+    robot.publish('plan', Twist())
+    assert [each.time for each in robot.history('plan')] == [0.0]
+
+
+def driven(make, command, *, lockstep, **options):
+    """Return a hash of the odometry of a closed loop to a goal."""
+    robot = make(params=ROBOT, noise=NOISE)
+    robot.start_process(command, lockstep=lockstep)
+    robot.advance(0.5, **options)
+    pose = PoseStamped()
+    pose.pose.position.x, pose.pose.position.y = 0.3, 0.2
+    robot.publish('goal_pose', pose)
+    robot.advance(0.5, **options)
+    robot.advance_until(lambda: robot.odom.speed == 0.0, timeout=30.0, **options)
+    assert robot.odom.distance_to(0.3, 0.2) < 0.03
+    kept = [(each.time, each.message) for each in robot.history('odom')]
+    return hashlib.sha256(repr(kept).encode()).hexdigest()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(('name', 'lockstep', 'options'), [
+    ('in_lockstep.py', True, {}), ('my_planner.py', False, {'wait_for': 'cmd_vel'})])
+def test_a_closed_loop_gives_the_same_bits_on_a_busy_machine_too(files, name, lockstep, options):
+    from diffdrive_kinematics.testing import Robot
+    hashes = set()
+    for busy in (0, 0, 3, 3):
+        others = [subprocess.Popen([sys.executable, '-c', BUSY]) for _ in range(busy)]
+        robots = []
+        try:
+            hashes.add(driven(lambda **made: robots.append(Robot(**made)) or robots[-1],
+                              [sys.executable, files / name], lockstep=lockstep, **options))
+        finally:
+            for each in others:
+                each.kill()
+                each.wait()
+            for robot in robots:
+                robot.close()
+    assert len(hashes) == 1
