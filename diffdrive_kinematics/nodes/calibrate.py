@@ -15,8 +15,9 @@
 """``calibrate``: a robot's systematic errors and slip, from files or live topics, into a YAML."""
 
 from dataclasses import dataclass, replace
+import signal
 import sys
-from typing import Any, Mapping
+from typing import Any, List, Mapping
 
 from diffdrive_kinematics.core.kinematics import WheelGeometry
 from diffdrive_kinematics.ros.inputs.wheel_watch import WheelWatch
@@ -30,12 +31,13 @@ from diffdrive_kinematics.ros.runtime.final_command import HEARTBEAT_S
 from diffdrive_kinematics.ros.runtime.node import DiffDriveNode
 from diffdrive_kinematics.ros.runtime.output import exit_status, report
 from diffdrive_kinematics.ros.runtime.rclpy_private import MessageInfo
-from diffdrive_kinematics.ros.runtime.running import run, spin_node, Stop
+from diffdrive_kinematics.ros.runtime.running import Interrupted, run, spin_node, Stop
 from diffdrive_kinematics.tools.calibration import Calibration, of_drives, of_squares, table
-from diffdrive_kinematics.tools.calibration_file import params_text
+from diffdrive_kinematics.tools.calibration_file import rendered
 from diffdrive_kinematics.tools.calibration_sources import read_drives, read_square_runs
 from diffdrive_kinematics.tools.collection import Collection
 from diffdrive_kinematics.tools.output_files import check_writable, write_files
+from diffdrive_kinematics.tools.progress import Progress
 from geometry_msgs.msg import PoseStamped
 from nav_msgs.msg import Odometry
 from rclpy.clock import Clock
@@ -45,9 +47,7 @@ from std_srvs.srv import Trigger
 
 PROGRESS_RATE = 0.5
 FAREWELL_S = HEARTBEAT_S + 1.0  # DDS can take that long to deliver the answer
-MISSING = (
-    "picture needs matplotlib, which is missing: pip install 'diffdrive_kinematics[plot]' or "
-    'apt install python3-matplotlib')
+INTERRUPTED = 'interrupted: nothing is written'
 
 
 @dataclass(frozen=True)
@@ -79,8 +79,9 @@ def build(values: Mapping[str, Any]) -> Config:
 class Calibrate(DiffDriveNode[Config]):
     """Collects wheel motion and reference poses until it is told to finish."""
 
-    def __init__(self, name: str = 'calibrate', **composition: Any) -> None:
+    def __init__(self, stop: Stop, name: str = 'calibrate', **composition: Any) -> None:
         super().__init__(name, CALIBRATE, build, **composition)
+        self._stop = stop
         self.collection = Collection()
         self.written = ''
 
@@ -104,6 +105,8 @@ class Calibrate(DiffDriveNode[Config]):
             f'{self.get_fully_qualified_name()}/finish is called')
 
     def _on_wheels(self, message: bytes, info: MessageInfo) -> None:
+        if self.written:
+            return
         sample = self._reader.read(message, self.runtime.now_ns, info.number)
         if sample is not None:
             self.collection.add_wheels(sample)
@@ -115,21 +118,42 @@ class Calibrate(DiffDriveNode[Config]):
         self.collection.add_reference(message.header.stamp, message.pose)
 
     def _report(self) -> None:
-        self.get_logger().info(self.collection.summary(self.config.geometry))
+        if not self.written:
+            self.get_logger().info(
+                '; '.join([self.collection.summary(self.config.geometry), *self._missing()]))
+
+    def _missing(self) -> List[str]:
+        """Return what is wrong with topics of which nothing has come."""
+        values, (wheels, poses) = self.config.values, self.collection.counts()
+        reference = Odometry if values['reference_type'] == 'odometry' else PoseStamped
+        return [
+            self._silence(topic, kind) for topic, kind, count in (
+                (values['motion_topic'], JointState, wheels),
+                (values['reference_topic'], reference, poses)) if not count]
+
+    def _silence(self, topic: str, kind: type) -> str:
+        """Return why nothing comes on a topic."""
+        name = self.resolve_topic_name(topic)
+        kinds = {info.topic_type for info in self.get_publishers_info_by_topic(name)}
+        if not kinds:
+            return f"nobody publishes '{name}'"
+        if not any(each.endswith(f'/{kind.__name__}') for each in kinds):
+            return f"'{name}' is {', '.join(sorted(kinds))}, expected {kind.__name__}"
+        return f"'{name}' is published, and says nothing of use"
 
     def _on_finish(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
-        values, geometry = self.config.values, self.config.geometry
         if self.written:  # asked again before the end: the answer stays
             self._farewell.reset()
             response.success, response.message = True, self.written
             return response
-        self.get_logger().info(f'calibrating {self.collection.summary(geometry)}')
         try:
-            calibration = of_drives(
-                values, geometry, self.collection.drives(), clock=values['clock'] or 'none')
-            self.written = response.message = conclude(calibration, values)
-        except (ValueError, ConfigurationError) as error:
-            response.success, response.message = False, f'{error}; still collecting'
+            with self._stop.interrupting():
+                response.message = self.finish()
+        except Interrupted:
+            response.message, self.done = INTERRUPTED, True
+            return response
+        except ValueError as error:
+            response.message = f'{error}; still collecting'
             self.get_logger().error(f'cannot finish: {response.message}')
             return response
         response.success = True
@@ -137,11 +161,23 @@ class Calibrate(DiffDriveNode[Config]):
             FAREWELL_S, self._end, clock=Clock(clock_type=ClockType.STEADY_TIME))
         return response
 
+    def finish(self) -> str:
+        """Calibrate from what there is, write it, and return a line that says so."""
+        values, geometry = self.config.values, self.config.geometry
+        self.get_logger().info(f'calibrating {self.collection.summary(geometry)}')
+        with Progress() as progress:
+            progress('fitting', begins=True)
+            calibration = of_drives(
+                values, geometry, self.collection.drives(), clock=values['clock'] or 'none')
+            files = rendered(calibration, values)
+        self.written = conclude(calibration, files, values)
+        return self.written
+
     def _end(self) -> None:
         self.done = True
 
 
-def from_files(config: Config) -> Calibration:
+def from_files(config: Config, progress: Progress) -> Calibration:
     """Return the calibration from the files of the parameters; ``ValueError`` if there is none."""
     values, geometry = config.values, config.geometry
     if values['square_runs']:
@@ -150,42 +186,39 @@ def from_files(config: Config) -> Calibration:
             return of_squares(values, geometry, *runs)
         except ValueError as error:
             raise ValueError(f"{values['square_runs']}: {error}") from error
-    drives, commands, remarks = read_drives(values, geometry)
+    drives, commands, remarks = read_drives(values, geometry, progress)
+    progress('fitting', begins=True)
     calibration = of_drives(
         values, geometry, drives, commands=commands,
         clock=values['clock'] or ('delay' if commands else 'offsets'))
     return replace(calibration, remarks=(*calibration.remarks, *remarks))
 
 
-def conclude(calibration: Calibration, values: Mapping[str, Any]) -> str:
+def conclude(
+        calibration: Calibration, files: Mapping[str, bytes], values: Mapping[str, Any]) -> str:
     """Print the table, write the files, and return a line that names them."""
-    output, picture = values['output'], values['picture']
-    files = {output: params_text(calibration, output).encode()}
-    if picture:
-        files[picture] = _picture(calibration, picture)
     report(table(calibration))
     written = f"wrote {', '.join(write_files(files, overwrite=values['overwrite']))}"
     report(written)
     return written
 
 
-def _picture(calibration: Calibration, name: str) -> bytes:
-    from diffdrive_kinematics.tools.calibration_drawing import picture_of
-    try:
-        return picture_of(calibration, name.rpartition('.')[2])
-    except ImportError as error:
-        raise ConfigurationError(f'{MISSING} ({error})') from error
-
-
 def work(stop: Stop) -> int:
     """Calibrate; return the exit status."""
     timers = SteadyTimers()
-    node = Calibrate(timers=timers)
+    node = Calibrate(stop, timers=timers)
+    values = node.config.values
     try:
-        if node.config.values['square_runs'] or node.config.values['recordings']:
-            conclude(from_files(node.config), node.config.values)
-            return exit_status()
-        return _collect(node, timers, stop)
+        if not (values['square_runs'] or values['recordings']):
+            return _collect(node, timers, stop)
+        with Progress() as progress, stop.interrupting():
+            calibration = from_files(node.config, progress)
+            files = rendered(calibration, values)
+        conclude(calibration, files, values)
+        return exit_status()
+    except Interrupted as interrupted:
+        report(INTERRUPTED)
+        return interrupted.status
     except ValueError as error:
         raise ConfigurationError(str(error)) from error
     finally:
@@ -193,8 +226,15 @@ def work(stop: Stop) -> int:
 
 
 def _collect(node: Calibrate, timers: SteadyTimers, stop: Stop) -> int:
+    """Collect; on Ctrl-C try to finish, as not everybody can call a service."""
     node.listen()
     spin_node(node, timers, stop)
+    if stop.number == signal.SIGINT and not (node.written or node.done):
+        try:
+            with stop.interrupting(after=signal.SIGINT):
+                node.finish()
+        except ValueError as error:
+            report(f'{error}')
     if not node.written:
         report('not finished: nothing is written')
     return exit_status()

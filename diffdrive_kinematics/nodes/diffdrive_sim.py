@@ -19,8 +19,9 @@ from importlib import import_module
 import os
 import sys
 import time
-from typing import Any, Dict, List, Mapping, Tuple, Type, TYPE_CHECKING
+from typing import Any, Dict, List, Mapping, Optional, Tuple, Type, TYPE_CHECKING
 
+from diffdrive_kinematics.ros.parameters.configuration_error import ConfigurationError
 from diffdrive_kinematics.ros.parameters.package_share import with_params_file
 from diffdrive_kinematics.ros.parameters.tables import DIFFDRIVE_SIM
 from diffdrive_kinematics.ros.runtime.alone import check_alone, Disturbed, keep_to_this_machine
@@ -29,6 +30,7 @@ from diffdrive_kinematics.ros.runtime.in_flight_messages import InFlightMessages
 from diffdrive_kinematics.ros.runtime.node import DiffDriveNode
 from diffdrive_kinematics.ros.runtime.output import exit_status, report, show
 from diffdrive_kinematics.ros.runtime.running import finish, make_executor, run, spin, Stop
+from diffdrive_kinematics.tools.bag_recorder import BagRecorder, CannotRecord
 from diffdrive_kinematics.tools.drift_table import drift_table, progress_line, Robot
 from rclpy.logging import get_logger
 
@@ -125,6 +127,16 @@ class DiffDriveSim(DiffDriveNode[Config]):
         return [node for node, member in zip(self.members, self.config.members)
                 if member.kind in kinds]
 
+    def recorder(self) -> Optional[BagRecorder]:
+        """Return what records the nodes from now on, where they are to be recorded."""
+        if not self.parameters.values['record']:
+            return None
+        recorder = BagRecorder(self.parameters.values['record'])
+        recorder.watch(self.publishers, self.members[0].runtime.now_ns)
+        for member in self.members:
+            recorder.watch(member.publishers, member.runtime.now_ns)
+        return recorder
+
     def run(self, stop: Stop) -> None:
         """Run until the sequences are done and the robot rests, or until asked to stop."""
         executor = make_executor([self, *self.members], self.parameters.values['executor'])
@@ -201,8 +213,13 @@ def work(stop: Stop) -> int:
 
 def _work(stop: Stop) -> int:
     sim = DiffDriveSim()
+    recorder = None
     try:
+        recorder = sim.recorder()
         sim.run(stop)
+        if recorder:
+            recorder.close()
+            report(f"recorded {recorder.count} messages in {sim.parameters.values['record']}")
         if sim.finished():
             report(drift_table(sim.robots()))
             if sim.clock_driver and not sim.config.real_time_factor:
@@ -210,7 +227,11 @@ def _work(stop: Stop) -> int:
     except Disturbed:
         time.sleep(FAREWELL_S)  # still to be seen, or the other one might never know
         raise
+    except CannotRecord as error:
+        raise ConfigurationError(str(error)) from error
     finally:
+        if recorder:
+            recorder.discard()
         sim.destroy_node()
     return exit_status()
 

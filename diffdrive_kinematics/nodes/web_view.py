@@ -20,6 +20,7 @@ import time
 from typing import Any, List, Mapping, Tuple
 
 from diagnostic_msgs.msg import DiagnosticArray
+from diffdrive_kinematics.ros.inputs.remote_parameters import RemoteParameters
 from diffdrive_kinematics.ros.messages.codec import TwistCodec
 from diffdrive_kinematics.ros.messages.messages import set_stamp
 from diffdrive_kinematics.ros.parameters.parameters import ConfigurationError
@@ -31,13 +32,10 @@ from diffdrive_kinematics.tools.helm import Helm
 from diffdrive_kinematics.tools.page_frame import check_numbers, PageFrame
 from geometry_msgs.msg import PolygonStamped, PoseArray, PoseStamped, Twist, TwistStamped
 from nav_msgs.msg import Odometry, Path
-from rcl_interfaces.srv import GetParameters, SetParameters
-from rclpy.parameter import Parameter
 from rclpy.publisher import Publisher
 from std_srvs.srv import Trigger
 
 LOOPBACK = ('127.0.0.1', 'localhost', '::1')
-ANSWER_S = 1.0  # after which a service is asked again
 SILENCE_S = 0.3  # of a viewer who drives, after which the robot stands
 NOISE = (  # what is set in the noise node: label, range, step
     ('left_bias', 'left bias', -0.05, 0.05, 0.001),
@@ -67,13 +65,14 @@ class WebView(DiffDriveNode[Config]):
         self._helm, self._drove = Helm(SILENCE_S), False
         stamped = values['enable_stamped_cmd_vel']
         self._message = TwistCodec(values['base_frame_id'] if stamped else None)
-        self._commands = self.publisher(
+        self._commands = self.runtime.publish(
             TwistStamped if stamped else Twist, values['cmd_vel_topic'])
         if values['autonomous_cmd_vel_topic']:
-            self.subscribe(TwistStamped if stamped else Twist,
-                           values['autonomous_cmd_vel_topic'], self._pass_on)
-        self._goals = self.publisher(PoseStamped, values['goal_topic'])
-        self._plans = self.publisher(Path, values['plan_topic'])
+            self.runtime.listen(
+                TwistStamped if stamped else Twist, values['autonomous_cmd_vel_topic'],
+                self._pass_on)
+        self._goals = self.runtime.publish(PoseStamped, values['goal_topic'])
+        self._plans = self.runtime.publish(Path, values['plan_topic'])
         self._triggers = {
             name: [self.create_client(Trigger, service) for service in services]
             for name, services in (
@@ -81,13 +80,12 @@ class WebView(DiffDriveNode[Config]):
                 ('stop', [f"{values['controller_node']}/stop"]),
                 ('resume', [f"{values['controller_node']}/resume"]))}
         noise = values['noise_node']
-        self._noise = (self.create_client(GetParameters, f'{noise}/get_parameters'),
-                       self.create_client(SetParameters, f'{noise}/set_parameters')
-                       ) if noise else None
+        self._noise = RemoteParameters(
+            self, noise, [each[0] for each in NOISE],
+            lambda numbers: self._page.show(numbers)) if noise else None
         self._heard: List[Any] = []
-        self._noise_is_shown, self._noise_asked_s = False, -ANSWER_S
         self._page = self._served(values)
-        self.steadily(values['frame_rate'], self._tick)
+        self.runtime.every(values['frame_rate'], self._tick, steadily=True)
 
     def _served(self, values: Mapping[str, Any]) -> Any:
         """Return the page, or raise ``ConfigurationError`` where it cannot be served."""
@@ -119,7 +117,7 @@ class WebView(DiffDriveNode[Config]):
     def _listen(self) -> None:
         values = self.config.values
         self._heard = [
-            self.subscribe(message_type, values[name], callback, needs_wakeup=False)
+            self.runtime.listen(message_type, values[name], callback, needs_wakeup=False)
             for message_type, name, callback in (
                 (Odometry, 'odom_topic', self._shown.take_belief),
                 (Odometry, 'truth_topic', self._shown.take_truth),
@@ -131,7 +129,7 @@ class WebView(DiffDriveNode[Config]):
 
     def _ignore(self) -> None:
         for subscription in self._heard:
-            self.unsubscribe(subscription)
+            self.runtime.unlisten(subscription)
         self._heard = []
 
     def _pass_on(self, message: Any) -> None:
@@ -147,14 +145,14 @@ class WebView(DiffDriveNode[Config]):
             try:
                 getattr(self, f'_do_{action.name}', self._do_nothing)(action.viewer, action.value)
             except (TypeError, ValueError) as error:
-                self.refuse(f'{action.name} of a viewer: {error}')
+                self.rejections.refuse(f'{action.name} of a viewer: {error}')
         self._drive()
         if bool(page.viewers) != bool(self._heard):
             self._listen() if page.viewers else self._ignore()
         if page.viewers:
-            if not self._noise_is_shown and time.monotonic() > self._noise_asked_s + ANSWER_S:
-                self._show_noise()  # again, as an answer may be lost while DDS finds its ends
-            self.sent += 1
+            if self._noise:
+                self._noise.look()
+            self.health.sent += 1
             self._shown.show('driver', self._helm.viewer)
             page.send(self._shown.taken())
 
@@ -165,7 +163,8 @@ class WebView(DiffDriveNode[Config]):
         if driving and not self._drove:  # who takes the helm ends what goal_steering does
             self._plans.publish(Path())
         if driving or self._drove:
-            self._commands.publish(self._message.encode(self.now_ns(), *self._helm.command))
+            self._commands.publish(
+                self._message.encode(self.runtime.now_ns(), *self._helm.command))
         self._drove = driving
 
     def _do_drive(self, viewer: int, value: Any) -> None:
@@ -184,37 +183,22 @@ class WebView(DiffDriveNode[Config]):
         yaw = math.atan2(y - belief.y, x - belief.x)
         goal = PoseStamped()
         goal.header.frame_id = self._shown.frame_id
-        set_stamp(goal.header.stamp, self.now_ns())
+        set_stamp(goal.header.stamp, self.runtime.now_ns())
         goal.pose.position.x, goal.pose.position.y = x, y
         goal.pose.orientation.z, goal.pose.orientation.w = math.sin(yaw / 2), math.cos(yaw / 2)
         self._goals.publish(goal)
         self._shown.show('goal', [x, y])
 
     def _do_set(self, _: int, value: Any) -> None:
-        name, number = value
-        if self._noise is None or name not in {each[0] for each in NOISE}:
-            raise ValueError(f'{name!r}, expected one of {[each[0] for each in NOISE]}')
-        parameter = Parameter(name, Parameter.Type.DOUBLE, float(number))
-        self._noise[1].call_async(SetParameters.Request(
-            parameters=[parameter.to_parameter_msg()])).add_done_callback(self._show_noise)
-
-    def _show_noise(self, _: Any = None) -> None:
-        """Ask the noise node what it is set to, and set the sliders of all viewers."""
-        def show(future: Any) -> None:
-            self._noise_is_shown = True
-            numbers = [value.double_value for value in future.result().values]
-            if len(numbers) == len(names):
-                self._page.show(dict(zip(names, numbers)))
-
-        names = [each[0] for each in NOISE]
-        if self._noise and self._noise[0].service_is_ready():
-            self._noise_asked_s = time.monotonic()
-            self._noise[0].call_async(GetParameters.Request(names=names)).add_done_callback(show)
+        if self._noise is None:
+            raise ValueError(f'{value!r}, and noise_node is empty')
+        self._noise.set(*value)
 
     def _do_joined(self, viewer: int, value: Any) -> None:
         self._page.send({'fresh': True})
         self._shown.again()
-        self._noise_is_shown = False
+        if self._noise:
+            self._noise.ask()
 
     def _do_left(self, viewer: int, value: Any) -> None:
         self._helm = self._helm.left(viewer)
@@ -248,7 +232,7 @@ class WebView(DiffDriveNode[Config]):
         self._page.close()
         if not self._helm.viewer:
             return ()
-        self._commands.publish(self._message.encode(self.now_ns(), 0.0, 0.0))
+        self._commands.publish(self._message.encode(self.runtime.now_ns(), 0.0, 0.0))
         return (self._commands,)
 
 

@@ -28,13 +28,13 @@ from diffdrive_kinematics.ros.messages.wheel_messages import WheelReader
 from diffdrive_kinematics.tools.bags import Bag, BagMessage, BagTopic, message_of, open_bag
 from diffdrive_kinematics.tools.collection import Collection
 from diffdrive_kinematics.tools.recordings import nobody
-from rclpy.impl.implementation_singleton import rclpy_implementation
 
 __all__ = [
     'COMMANDS', 'Read', 'TWISTS', 'Times', 'add_bag', 'read_topics', 'topic_of', 'twist_of']
 
 COMMANDS = 'commands'
 PROGRESS_MESSAGES = 4096
+STAMP = slice(4, 12)  # of a serialised message that begins with a header
 JOINTS, ODOMETRY = 'sensor_msgs/msg/JointState', 'nav_msgs/msg/Odometry'
 TWISTS = 'geometry_msgs/msg/Twist', 'geometry_msgs/msg/TwistStamped'
 TF = 'tf2_msgs/msg/TFMessage'
@@ -118,7 +118,7 @@ def add_bag(
                     f'{path}: motion_topic and reference_topic are both {topic.name!r}, expected '
                     f'different topics, of: {_listed(bag)}')
             handles[topic.name] = (
-                _transform_handle(bag, collection, values, times) if topic.kind == TF
+                _transform_handle(collection, values, times) if topic.kind == TF
                 else _pose_handle(collection, times))
             said.append((topic, times))
         read_topics(bag, handles, progress)
@@ -171,7 +171,7 @@ def read_topics(bag: Bag, handles: Mapping[str, Handle], progress: Progress = no
     for number, message in enumerate(bag.messages(list(handles)), start=1):
         try:
             handles[message.topic](message)
-        except (ValueError, OverflowError, rclpy_implementation.RMWError) as error:
+        except (ValueError, OverflowError, RuntimeError) as error:
             raise ValueError(
                 f"{bag.path}, message {number} of {list(handles)!r}, '{message.topic}': "
                 f"{' '.join(str(error).split())}") from error
@@ -188,8 +188,7 @@ def _joints_handle(
     def handle(message: BagMessage) -> None:
         sample = reader.read(message.data, lambda: message.received_ns)
         if sample is not None:
-            stamped = sample.stamp_ns != message.received_ns
-            times.of(sample.stamp_ns if stamped else 0, message.received_ns)
+            times.of(sample.stamp_ns if any(message.data[STAMP]) else 0, message.received_ns)
             collection.add_wheels(sample)
 
     return handle
@@ -229,7 +228,7 @@ def _pose_handle(collection: Collection, times: Times) -> Handle:
 
 
 def _transform_handle(
-        bag: Bag, collection: Collection, values: Mapping[str, Any], times: Times) -> Handle:
+        collection: Collection, values: Mapping[str, Any], times: Times) -> Handle:
     wanted = tuple(name.lstrip('/') for name in values['reference_frames'])
 
     def handle(message: BagMessage) -> None:

@@ -26,7 +26,6 @@ from pathlib import Path
 import struct
 from typing import Any, Dict, Iterator, List, NamedTuple, Sequence, Tuple
 
-from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.serialization import deserialize_message
 
 __all__ = ['Bag', 'BagMessage', 'BagTopic', 'MISSING', 'is_bag', 'message_of', 'open_bag']
@@ -120,7 +119,7 @@ def message_of(message: BagMessage) -> Any:
         except ImportError:  # no wheel of tf2_msgs exists
             return _typestore().deserialize_cdr(message.data, message.kind)
         return deserialize_message(message.data, kind)
-    except (*UNREADABLE, rclpy_implementation.RMWError) as error:
+    except UNREADABLE as error:
         raise ValueError(
             f"a message of '{message.topic}' cannot be read as {message.kind}: {_words(error)}"
         ) from error
@@ -150,7 +149,7 @@ def _reader() -> Tuple[Any, Tuple[type, ...]]:
         from rosbags.rosbag2 import reader, ReaderError, storage_sqlite3
         return _WithRosbags, (
             ReaderError, reader.zstd.ZstdError, storage_sqlite3.apsw.Error, *UNREADABLE)
-    except ImportError:
+    except (ImportError, AttributeError):  # missing, or older than 0.11
         pass
     try:
         import_module('rosbag2_py')
@@ -189,12 +188,12 @@ class _WithRosbag2Py:
     STORAGE = {'.mcap': 'mcap', '.db3': 'sqlite3'}
 
     def __init__(self, path: str) -> None:
-        import rosbag2_py
-        self._module, self._reader = rosbag2_py, rosbag2_py.SequentialReader()
+        self._module: Any = import_module('rosbag2_py')
+        self._reader = self._module.SequentialReader()
         self._reader.open(
-            rosbag2_py.StorageOptions(
+            self._module.StorageOptions(
                 uri=path, storage_id=self.STORAGE.get(Path(path).suffix, '')),
-            rosbag2_py.ConverterOptions('cdr', 'cdr'))
+            self._module.ConverterOptions('cdr', 'cdr'))
         self._kinds = {each.name: each.type for each in self._reader.get_all_topics_and_types()}
 
     def __enter__(self) -> '_WithRosbag2Py':

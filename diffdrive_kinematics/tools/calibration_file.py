@@ -14,11 +14,11 @@
 
 """The params file that ``calibrate`` writes."""
 
-from typing import List, Mapping
+from typing import Any, Dict, List, Mapping
 
 from diffdrive_kinematics.tools.calibration import Calibration, MULTIPLIERS
 
-__all__ = ['params_text']
+__all__ = ['params_text', 'rendered']
 
 HEAD = """\
 # Written by calibrate ({method}: {remark}).
@@ -33,6 +33,32 @@ ROBOT = """\
 STAY = """\
 # The next calibration starts from this one."""
 NODES = 'diff_drive_controller', 'wheel_odometry', 'simulated_base'
+MISSING = (
+    "picture needs matplotlib, which is missing: pip install 'diffdrive_kinematics[plot]' or "
+    'apt install python3-matplotlib')
+NO_SLIP_M = 1e-12
+"""Slip variance [m] of runs that do not scatter at all."""
+
+
+def rendered(calibration: Calibration, values: Mapping[str, Any]) -> Dict[str, bytes]:
+    """
+    Return the content of the files to write, by the names that the parameters give them.
+
+    Raises
+    ------
+    ValueError
+        If a picture is asked for and matplotlib is missing.
+
+    """
+    output, picture = values['output'], values['picture']
+    files = {output: params_text(calibration, output).encode()}
+    if picture:
+        from diffdrive_kinematics.tools.calibration_drawing import picture_of
+        try:
+            files[picture] = picture_of(calibration, picture.rpartition('.')[2])
+        except ImportError as error:
+            raise ValueError(f'{MISSING} ({error})') from error
+    return files
 
 
 def params_text(calibration: Calibration, name: str) -> str:
@@ -40,6 +66,8 @@ def params_text(calibration: Calibration, name: str) -> str:
     geometry, (left, right) = calibration.geometry, calibration.slips
     multipliers = {name: getattr(geometry, name) for name in MULTIPLIERS}
     slips = {'left_slip_variance': left, 'right_slip_variance': right}
+    if max(left, right) < NO_SLIP_M:  # nothing is known of it: what is known elsewhere stays
+        slips = {}
     bias = {'left_bias': geometry.left_wheel_radius_multiplier - 1.0,
             'right_bias': geometry.right_wheel_radius_multiplier - 1.0}
     truth = {'left_wheel_radius_multiplier': 1.0, 'right_wheel_radius_multiplier': 1.0,

@@ -91,11 +91,15 @@ class Collection:
         return np.array([(stamp_ns / 1e9, *pose) for stamp_ns, *pose in self._reference],
                         dtype=np.float64).reshape(-1, 4)
 
+    def counts(self) -> Tuple[int, int]:
+        """Return how many samples of the wheels and of the reference there are."""
+        seen = {id(drive.reference): len(drive.reference) for drive in self._drives}
+        return (sum(len(drive.samples) for drive in self._drives),
+                sum(seen.values()) if seen else len(self._reference))
+
     def summary(self, geometry: WheelGeometry) -> str:
         """Return how much there is, in a line."""
-        wheels = sum(len(drive.samples) for drive in self._drives)
-        seen = {id(drive.reference): len(drive.reference) for drive in self._drives}
-        poses = sum(seen.values()) if seen else len(self._reference)
+        wheels, poses = self.counts()
         text = f'{wheels} samples of the wheels, {poses} of the reference'
         try:
             segments = self.drives()

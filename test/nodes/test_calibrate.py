@@ -15,7 +15,9 @@
 """Calibration as its user does it: drive, measure, calibrate, load what it wrote, drive again."""
 
 import math
+import os
 import re
+import signal
 
 from builtin_interfaces.msg import Time
 from diffdrive_kinematics.core.kinematics import (
@@ -100,6 +102,8 @@ def test_two_passes_of_umbmark_over_topics_leave_a_fiftieth_of_the_error(graph, 
             '-p', f'output:={written}'])
         assert calibrate.wait() == 0, calibrate.output
         found.append(written)
+        for_all = written.read_text().split('/**/')[0]  # runs that do not scatter say no slip
+        assert 'wheel_radius' in for_all and 'slip_variance' not in for_all
     assert errors[0] > 50.0 * errors[2], errors
     simulated = tmp_path / 'simulated.yaml'  # a robot that calibration alone describes
     simulated.write_text(TRUE.split('/**/ground_truth')[0].replace('-0.005', '0.0').replace(
@@ -224,6 +228,7 @@ def test_live_topics_are_collected_until_finish_is_called(
     assert (calibrate.stop() if reference_type == 'odometry' else calibrate.wait()) == 0
     assert 'nothing is written' not in calibrate.output
     assert calibrate.output.count('wrote') == 1
+    assert calibrate.output.rstrip().endswith(f'wrote {written}')  # silent from there on
     assert 'std. error' in calibrate.output
     text = written.read_text()
     assert text.index('/**:') < text.index('/**/')
@@ -276,10 +281,69 @@ def test_a_reference_that_is_published_as_sensor_data_is_heard(graph, tmp_path):
 
 def test_a_collection_that_is_interrupted_writes_nothing(graph, tmp_path):
     calibrate = graph.start('calibrate', {**KHEPERA, 'output': str(tmp_path / 'found.yaml')})
-    graph.wait_for(lambda: 'collecting' in calibrate.output, 'the start')
+    graph.wait_for(lambda: "nobody publishes '/joint_states'; nobody publishes '/ground_truth'"
+                   in calibrate.output, 'the line that says why nothing comes')
     assert calibrate.stop() == 0
+    assert 'no wheel motion has come so far' in calibrate.output
     assert 'nothing is written' in calibrate.output
     assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize('number, status', [
+    (signal.SIGINT, 0), (signal.SIGTERM, 0)], ids=['SIGINT', 'SIGTERM'])
+def test_ctrl_c_finishes_a_live_calibration_and_the_end_of_a_system_does_not(
+        graph, tmp_path, number, status):
+    written = tmp_path / 'found.yaml'
+    calibrate = graph.start('calibrate', {
+        **KHEPERA, 'output': str(written), 'reference_type': 'pose',
+        'reference_topic': 'tracker'})
+    wheels = graph.publisher(JointState, 'joint_states')
+    tracker = graph.publisher(PoseStamped, 'tracker')
+    start = graph.now_ns()
+    for time, (left, right), pose in drive_samples(40.0):
+        joints = JointState(name=['left_wheel_joint', 'right_wheel_joint'],
+                            position=[float(left), float(right)])
+        seen = PoseStamped()
+        for message in (joints, seen):
+            set_stamp(message, start + round(time * 1e9))
+        seen.pose.position.x, seen.pose.position.y = float(pose.x), float(pose.y)
+        seen.pose.orientation.z, seen.pose.orientation.w = (
+            math.sin(0.5 * pose.theta), math.cos(0.5 * pose.theta))
+        wheels.publish(joints)
+        tracker.publish(seen)
+        graph.executor.spin_once(timeout_sec=0.002)
+    graph.wait_for(lambda: 'deg turned' in calibrate.output, 'a line of what there is')
+    assert calibrate.stop(number) == status
+    if number == signal.SIGTERM:
+        assert 'nothing is written' in calibrate.output and not written.exists()
+        return
+    assert calibrate.output.rstrip().endswith(f'wrote {written}')
+    assert written_multipliers(written.read_text(), 'wheel_odometry') == pytest.approx(
+        TRUTH, rel=3e-3)
+
+
+@pytest.mark.parametrize('number', [signal.SIGINT, signal.SIGTERM])
+def test_a_calibration_that_waits_for_a_pipe_ends_on_a_signal_and_writes_nothing(
+        graph, tmp_path, number):
+    pipe, written = tmp_path / 'drive.csv', tmp_path / 'found.yaml'
+    os.mkfifo(pipe)
+    calibrate = graph.start('calibrate', args=[
+        *GEOMETRY, '-p', f'recordings:=[{pipe}]', '-p', f'output:={written}'])
+
+    def opened():
+        try:
+            return os.open(pipe, os.O_WRONLY | os.O_NONBLOCK)
+        except OSError:  # nobody reads yet
+            return None
+
+    end = graph.wait_for(opened, 'somebody who reads')
+    try:
+        os.write(end, f'{HEADER_OF_POSITIONS},x,y,yaw\n0,0,0,0,0,0\n'.encode())
+        assert calibrate.stop(number) == 128 + number
+    finally:
+        os.close(end)
+    assert calibrate.output.strip() == 'interrupted: nothing is written'
+    assert not written.exists()
 
 
 def files_of(directory, header, rows, poses):

@@ -181,7 +181,7 @@ def test_nicegui_is_imported_only_by_the_page():
 
 def test_what_reads_bags_is_imported_only_where_it_may_be_missing(declared):
     assert not {'rosbags', 'rosbag2_py'} & imported_by_the_package(lazy=False)
-    assert declared['extras_require']['bags'] == ['rosbags']
+    assert declared['extras_require']['bags'] == ['rosbags>=0.11']
 
 
 @pytest.mark.parametrize('source, at_load, ever', [

@@ -17,10 +17,13 @@
 from diffdrive_kinematics.ros.messages.messages import quaternion_of
 from geometry_msgs.msg import Pose
 from rclpy.serialization import serialize_message
-from rosbags.rosbag2 import StoragePlugin, Writer
+from rosbags.rosbag2 import Reader, ReaderError, StoragePlugin, Writer
 from rosbags.typesys import get_typestore, Stores
 from sensor_msgs.msg import JointState
 from support.graph import set_stamp
+
+__all__ = [
+    'Reader', 'ReaderError', 'STORES', 'joints', 'pose', 'transform', 'write_bag']
 
 STORES = {'mcap': StoragePlugin.MCAP, 'sqlite3': StoragePlugin.SQLITE3}
 TYPES = get_typestore(Stores.ROS2_JAZZY)

@@ -16,6 +16,8 @@
 
 import math
 import shutil
+import sys
+from types import SimpleNamespace
 
 from diffdrive_kinematics.core.kinematics import twist_from_wheel_rates, WheelGeometry
 from diffdrive_kinematics.tools.calibration import MULTIPLIERS, of_drives
@@ -105,6 +107,57 @@ def test_single_files_and_directories_whose_metadata_names_another_file_are_read
     single.rename(single.with_name(f'renamed{single.suffix}'))
     assert found_in([first, alone])[0] == pytest.approx(wheels, abs=1e-12)
     assert found_in([first, copy])[0] == pytest.approx(wheels, abs=1e-12)
+
+
+class Rosbag2Py:
+    """What is used of rosbag2_py, by the names and arguments that it has in Jazzy."""
+
+    StorageOptions = StorageFilter = staticmethod(lambda **fields: SimpleNamespace(**fields))
+    ConverterOptions = staticmethod(lambda source, target: (source, target))
+
+    class SequentialReader:
+
+        def open(self, storage, converter):  # noqa: A003
+            assert converter == ('cdr', 'cdr')
+            try:
+                self._reader = bags.Reader(storage.uri)
+                self._reader.open()
+            except bags.ReaderError as error:
+                raise RuntimeError(str(error)) from error
+            self._topics = None
+
+        def get_all_topics_and_types(self):
+            return [SimpleNamespace(name=each.topic, type=each.msgtype)
+                    for each in self._reader.connections]
+
+        def get_metadata(self):
+            return SimpleNamespace(topics_with_message_count=[
+                SimpleNamespace(message_count=each.msgcount, topic_metadata=SimpleNamespace(
+                    name=each.topic, type=each.msgtype)) for each in self._reader.connections])
+
+        def set_filter(self, storage_filter):
+            self._left = [
+                (each.topic, data, time_ns)
+                for each, time_ns, data in self._reader.messages(self._reader.connections)
+                if each.topic in storage_filter.topics][::-1]
+
+        def has_next(self):
+            return bool(self._left)
+
+        def read_next(self):
+            return self._left.pop()
+
+
+def test_a_ros_machine_without_rosbags_reads_the_same(tmp_path, few, monkeypatch):
+    (first, second), wheels = few
+    single, = second.glob('*.mcap')
+    monkeypatch.setitem(sys.modules, 'rosbags.rosbag2', None)
+    with pytest.raises(ValueError, match=r'diffdrive_kinematics\[bags\]'):
+        found_in([first, single])
+    monkeypatch.setitem(sys.modules, 'rosbag2_py', Rosbag2Py)
+    assert found_in([first, single])[0] == pytest.approx(wheels, abs=1e-12)
+    with pytest.raises(ValueError, match='is not in the bag.*/joint_states'):
+        found_in([first], motion_topic='wheels')
 
 
 @pytest.mark.parametrize('kind', [PoseWithCovarianceStamped, Odometry],

@@ -29,7 +29,7 @@ __all__ = [
     'check_description', 'check_diagonal', 'check_frame', 'check_horizon', 'check_joint_names',
     'check_named', 'check_offset', 'check_one_of', 'check_optional_picture',
     'check_optional_seed', 'check_optional_topic', 'check_picture', 'check_port', 'check_pose',
-    'check_positive_or_nan', 'check_prefix', 'check_range', 'check_rate_or_off',
+    'check_positive_or_nan', 'check_prefix', 'check_range', 'check_rate_or_off', 'check_recording',
     'check_resolution', 'check_seed', 'check_stages', 'check_step', 'check_topic',
     'check_wheel_base', 'check_width', 'check_window', 'string', 'topic']
 
@@ -132,6 +132,11 @@ def check_picture(name: str, value: str) -> None:
 def check_optional_picture(name: str, value: str) -> None:
     if value:
         check_picture(name, value)
+
+
+def check_recording(name: str, value: str) -> None:
+    if value and not value.endswith('.mcap'):
+        raise ValueError(f'{name} is {value!r}, expected the name of an .mcap file')
 
 
 def check_one_of(*known: str) -> Check:

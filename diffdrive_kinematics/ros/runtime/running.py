@@ -20,12 +20,13 @@ The executor of the package, and how an executable runs and ends.
 callbacks.
 """
 
+from contextlib import contextmanager
 import gc
 import os
 import signal
 import sys
 import time
-from typing import Callable, List, Optional, Sequence
+from typing import Callable, Iterator, List, Optional, Sequence
 
 from diffdrive_kinematics.ros.parameters.parameters import ConfigurationError
 from diffdrive_kinematics.ros.runtime import rclpy_private
@@ -39,7 +40,8 @@ from rclpy.exceptions import NameValidationException
 from rclpy.executors import Executor, ExternalShutdownException, SingleThreadedExecutor
 from rclpy.signals import SignalHandlerOptions
 
-__all__ = ['Stop', 'finish', 'main_of', 'make_executor', 'run', 'spin', 'spin_node']
+__all__ = [
+    'Interrupted', 'Stop', 'finish', 'main_of', 'make_executor', 'run', 'spin', 'spin_node']
 
 SPIN_TIMEOUT_S = 0.1
 ASK_PERIOD_S = 0.1
@@ -47,20 +49,46 @@ CONFIGURATION_ERROR = 2
 SIGNALS = (signal.SIGINT, signal.SIGTERM)
 
 
+class Interrupted(KeyboardInterrupt):
+    """The process was asked to stop while it did what cannot be asked; ``status`` is its own."""
+
+    def __init__(self, number: int) -> None:
+        super().__init__(f'signal {number}')
+        self.status = 128 + number  # as shells have it
+
+
 class Stop:
     """Turns true on SIGINT and SIGTERM, so that nodes can still publish their last words."""
 
     def __init__(self) -> None:
-        self._asked = False
+        self.number = 0
+        self._interrupts = False
         for number in SIGNALS:
             signal.signal(number, self._ask)
 
     def __bool__(self) -> bool:
         """Return whether the process was asked to stop."""
-        return self._asked
+        return bool(self.number)
 
-    def _ask(self, *_: object) -> None:
-        self._asked = True
+    @contextmanager
+    def interrupting(self, *, after: int = 0) -> Iterator[None]:
+        """
+        Raise ``Interrupted`` in what is done meanwhile as soon as the process is asked to stop.
+
+        What was asked for before counts too, unless it is the signal ``after``.
+        """
+        self._interrupts = True
+        try:
+            if self.number not in (0, after):
+                raise Interrupted(self.number)
+            yield
+        finally:
+            self._interrupts = False
+
+    def _ask(self, number: int, _: object) -> None:
+        self.number = number
+        if self._interrupts:
+            raise Interrupted(number)
 
 
 def make_executor(nodes: Sequence[DiffDriveNode], kind: str = 'auto') -> Executor:

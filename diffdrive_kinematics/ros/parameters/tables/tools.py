@@ -19,9 +19,10 @@ import math
 
 from diffdrive_kinematics.core.kinematics import check_non_negative, check_positive
 from diffdrive_kinematics.ros.parameters.parameter_spec import (
-    check_count, check_description, check_frame, check_named, check_one_of, check_optional_picture,
-    check_picture, check_positive_or_nan, check_seed, check_stages, check_step, check_wheel_base,
-    check_width, Kind, ParameterSpec as Spec, string, topic)
+    check_count, check_description, check_frame, check_named, check_one_of,
+    check_optional_picture, check_picture, check_positive_or_nan, check_recording, check_seed,
+    check_stages, check_step, check_wheel_base, check_width, Kind, ParameterSpec as Spec,
+    string, topic)
 from diffdrive_kinematics.ros.parameters.tables.shared import (
     BIAS, DISTRIBUTION, ENCODER_RANGE, EXECUTOR, GEOMETRY, JOINTS, SEPARATION, SLIP, SQUARE, START)
 
@@ -124,4 +125,6 @@ DIFFDRIVE_SIM = (
          'time', check=check_step, read_only=True),
     Spec('real_time_factor', 0.0, 'pace of the simulated clock; 0: as fast as the nodes can '
          'follow', check=check_non_negative, read_only=True),
+    string('record', '', 'new .mcap file, of what the nodes publish; empty: none',
+           check_recording),
     EXECUTOR)

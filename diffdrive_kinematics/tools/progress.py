@@ -1,0 +1,64 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""How far a long work is, on a terminal, in one line that is written over and over."""
+
+import sys
+import time
+from typing import Optional, TextIO
+
+__all__ = ['Progress']
+
+PERIOD_S = 0.2
+
+
+class Progress:
+    """
+    A line on stderr that says what is being done and for how long; none where that is no terminal.
+
+    Parameters
+    ----------
+    stream : text file, optional
+        Where to write instead of stderr.
+
+    """
+
+    def __init__(self, stream: Optional[TextIO] = None) -> None:
+        self._stream = sys.stderr if stream is None else stream
+        self._shown = self._stream is not None and self._stream.isatty()
+        self._began = time.monotonic()
+        self._next = 0.0
+
+    def __call__(self, text: str, *, begins: bool = False) -> None:
+        """Say how far it is; more than five times a second is shown only where work begins."""
+        now = time.monotonic()
+        if self._shown and (begins or now >= self._next):
+            self._next = now + PERIOD_S
+            self._write(f'\r{text}, {now - self._began:.0f} s\x1b[K')
+
+    def __enter__(self) -> 'Progress':
+        """Begin."""
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """Clear the line."""
+        if self._shown:
+            self._write('\r\x1b[K')
+
+    def _write(self, text: str) -> None:
+        try:
+            self._stream.write(text)
+            self._stream.flush()
+        except OSError:  # nobody looks
+            self._shown = False

@@ -1,0 +1,43 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""What is shown while something takes long: on terminals only."""
+
+import io
+
+from diffdrive_kinematics.tools.progress import Progress
+
+
+class Terminal(io.StringIO):
+
+    def isatty(self):
+        return True
+
+
+def test_a_terminal_sees_one_line_that_is_cleared_at_the_end():
+    terminal = Terminal()
+    with Progress(terminal) as progress:
+        progress('drive.csv: 4096 rows')
+        progress('drive.csv: 8192 rows')  # too soon after the other one
+        progress('fitting', begins=True)
+    text = terminal.getvalue()
+    assert text.startswith('\rdrive.csv: 4096 rows, 0 s') and 'fitting, 0 s' in text
+    assert '8192' not in text and text.endswith('\r\x1b[K') and '\n' not in text
+
+
+def test_what_is_no_terminal_sees_nothing():
+    file = io.StringIO()
+    with Progress(file) as progress:
+        progress('drive.csv: 4096 rows')
+    assert file.getvalue() == ''
