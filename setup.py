@@ -56,6 +56,7 @@ setup(
     install_requires=['setuptools', 'numpy'],
     extras_require={
         'ros': ['ros-jazzy-rclpy[fastrtps]', 'ros-jazzy-common-interfaces'],
+        'kilted': ['ros-kilted-rclpy[fastrtps]', 'ros-kilted-common-interfaces'],
         'plot': ['matplotlib'],
         'web': ['nicegui'],
         'browser': ['nicegui', 'playwright'],

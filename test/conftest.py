@@ -21,10 +21,29 @@ os.environ['ROS_PYTHON_CHECK_FIELDS'] = '1'  # before any message type is import
 from hypothesis import settings  # noqa: E402, I100
 import pytest  # noqa: E402
 
+STARTING = {'graph', 'machines', 'outside'}  # fixtures that start ROS processes
+
 settings.register_profile('ci', derandomize=True, deadline=None)
+settings.register_profile('quick', settings.get_profile('ci'), max_examples=25)
 settings.load_profile('ci')
 
 pytest_plugins = ['diffdrive_kinematics.testing.plugin']  # also where it is not installed
+
+
+def pytest_configure(config):
+    """Draw fewer examples of a law where slow tests are left out."""
+    if 'not slow' in config.option.markexpr:
+        settings.load_profile('quick')
+
+
+@pytest.hookimpl(tryfirst=True)  # before pytest looks at the marks
+def pytest_collection_modifyitems(items):
+    """Mark what starts ROS processes as slow, unless it is marked as quick."""
+    for item in items:
+        if STARTING & {*item.fixturenames}:
+            item.add_marker('ros')
+            if not item.get_closest_marker('quick'):
+                item.add_marker('slow')
 
 
 @pytest.fixture

@@ -168,7 +168,8 @@ class Calibrate(DiffDriveNode[Config]):
         with Progress() as progress:
             progress('fitting', begins=True)
             calibration = of_drives(
-                values, geometry, self.collection.drives(), clock=values['clock'] or 'none')
+                values, geometry, self.collection.drives(), clock=values['clock'] or 'none',
+                progress=progress)
             files = rendered(calibration, values)
         self.written = conclude(calibration, files, values)
         return self.written
@@ -190,7 +191,7 @@ def from_files(config: Config, progress: Progress) -> Calibration:
     progress('fitting', begins=True)
     calibration = of_drives(
         values, geometry, drives, commands=commands,
-        clock=values['clock'] or ('delay' if commands else 'offsets'))
+        clock=values['clock'] or ('delay' if commands else 'offsets'), progress=progress)
     return replace(calibration, remarks=(*calibration.remarks, *remarks))
 
 

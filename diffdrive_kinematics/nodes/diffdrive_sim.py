@@ -171,7 +171,7 @@ class DiffDriveSim(DiffDriveNode[Config]):
         with_truth = len({fed for _, fed in bases}) == 2
         return [
             Robot(base.get_fully_qualified_name(), 'truth' if fed and with_truth else 'belief',
-                  base.reading().pose) for base, fed in bases]
+                  base.reading().pose, base.mean_error()) for base, fed in bases]
 
     def _finished(self) -> bool:
         """Show progress, and return whether the course is done and the robot at rest."""

@@ -21,7 +21,7 @@ from typing import Any, List, Mapping, Tuple, Union
 
 from diffdrive_kinematics.core.kinematics import Command, Pose, WheelGeometry
 from diffdrive_kinematics.core.noise import (
-    heading_covariance, PoseCovariance, propagated_covariance, reachable_set_from_slip,
+    heading_moments, PoseMoments, propagated_moments, reachable_set_from_slip,
     sample_heading, sample_paths, travel_of_command, unit_bound, WheelSlip)
 from diffdrive_kinematics.ros.parameters.from_values import commands_from, wheel_slips
 from diffdrive_kinematics.ros.parameters.package_share import with_params_file
@@ -81,27 +81,27 @@ def picture_of(config: Config) -> Picture:
     paths = sample_paths(
         _starts(start, config), config.steps, config.geometry, *config.slips, n=values['paths'],
         seed=values['seed'])
-    means, covariances = _beliefs(start, config)
-    after = range(config.each, len(means), config.each)
+    poses, moments = _beliefs(start, config)
+    after = range(config.each, len(poses), config.each)
     boundaries = [_boundary(start, config, end) for end in after] if _bounded(config) else []
     return Picture(
-        paths, Pose(*map(np.array, zip(*means))), [(means[i], covariances[i]) for i in after],
+        paths, Pose(*map(np.array, zip(*poses))), [
+            (poses[i], moments[i].second_moment()) for i in after],
         boundaries, _title(config))
 
 
-def _beliefs(start: Pose, config: Config) -> Tuple[List[Pose], List[PoseCovariance]]:
-    """Return the mean and its covariance after each step; the bias is part of the mean."""
+def _beliefs(start: Pose, config: Config) -> Tuple[List[Pose], List[PoseMoments]]:
+    """Return the pose and its moments after each step; the bias is part of the pose."""
     gains = [1.0 + slip.bias for slip in config.slips]
     variances = [slip.variance / gain for slip, gain in zip(config.slips, gains)]
-    means, covariances = [start], [
-        heading_covariance(config.values['initial_heading_concentration'])]
+    poses, moments = [start], [heading_moments(config.values['initial_heading_concentration'])]
     for command in config.steps:
         travel = (gain * d for gain, d in zip(gains, travel_of_command(command, config.geometry)))
-        mean, covariance = propagated_covariance(
-            covariances[-1], means[-1], config.geometry, *travel, *variances)
-        means.append(mean)
-        covariances.append(covariance)
-    return means, covariances
+        pose, after = propagated_moments(
+            moments[-1], poses[-1], config.geometry, *travel, *variances)
+        poses.append(pose)
+        moments.append(after)
+    return poses, moments
 
 
 def _starts(start: Pose, config: Config) -> Pose:

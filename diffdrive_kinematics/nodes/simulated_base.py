@@ -15,9 +15,10 @@
 """``simulated_base``: wheel motion in, odometry, joint states and tf out."""
 
 from dataclasses import dataclass
-from typing import Any, Mapping, Optional
+from typing import Any, Mapping, Optional, Tuple
 
 from diffdrive_kinematics.core.kinematics import WheelGeometry
+from diffdrive_kinematics.core.noise import NO_COVARIANCE
 from diffdrive_kinematics.core.odometry import Encoder, timeout_from_seconds, Verdict, WheelPair
 from diffdrive_kinematics.core.odometry import odometry as core
 from diffdrive_kinematics.ros.inputs.driver_watch import DriverWatch
@@ -124,6 +125,11 @@ class SimulatedBase(DiffDriveNode[Config]):
         """Return the base as it is now."""
         return self._odometry.predict(self._updated_now())
 
+    def mean_error(self) -> Optional[Tuple[float, float]]:
+        """Return the mean error of x and y [m] that slip makes of the pose; None: it is known."""
+        error = self._odometry.moments_at(self._updated_now()).mean_error
+        return (error.real, error.imag) if error else None
+
     def _on_wheels(self, message: bytes, info: MessageInfo) -> None:
         now_ns = self._synchronised_now()
         if not now_ns and self.time.waits_for_clock():
@@ -153,9 +159,10 @@ class SimulatedBase(DiffDriveNode[Config]):
         self._report_place(f"set on '{self.config.values['set_pose_topic']}'")
 
     def _on_reset(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
-        pose, covariance = initial_pose(self.config.values)
+        pose, moments = initial_pose(self.config.values)
         now_ns = self._updated_now()
-        self._place(self._odometry.set_pose(pose, covariance, now_ns, keep_angles=False))
+        self._place(self._odometry.set_pose(
+            pose, NO_COVARIANCE, now_ns, keep_angles=False)._replace(moments=moments))
         response.success, response.message = True, self._report_place('reset')
         return response
 

@@ -15,8 +15,9 @@
 """What ``calibrate`` finds, from runs around a square or from recorded drives, as a table."""
 
 from dataclasses import dataclass
+from itertools import count
 import math
-from typing import Any, List, Mapping, NamedTuple, Optional, Sequence, Tuple
+from typing import Any, Callable, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
 from diffdrive_kinematics.core.calibration import (
     Clock, COMMANDED, corrected, fit_drive_slip, fit_trajectory, RecordedDrive, ReturnError,
@@ -24,6 +25,7 @@ from diffdrive_kinematics.core.calibration import (
 from diffdrive_kinematics.core.kinematics import WheelGeometry
 from diffdrive_kinematics.tools.calibration_remarks import (
     course_remarks, frame_remark, frozen_remark)
+from diffdrive_kinematics.tools.recordings import nobody
 
 __all__ = [
     'CLOCKS', 'Calibration', 'Gain', 'MULTIPLIERS', 'Row', 'of_drives', 'of_squares', 'table']
@@ -93,14 +95,18 @@ def of_squares(
 
 def of_drives(
         values: Mapping[str, Any], geometry: WheelGeometry, drives: Sequence[RecordedDrive], *,
-        clock: str, commands: bool = False) -> Calibration:
+        clock: str, commands: bool = False,
+        progress: Callable[[str], None] = nobody) -> Calibration:
     """Return the calibration by trajectory fit; ``ValueError`` where the drives allow none."""
     whole = drives
     drives = [without_frozen_poses(drive, wheel_radius=geometry.wheel_radius) for drive in whole]
+    rounds = count(1)
     keep = values['mean_radius'] == 'keep' or commands and not values['mean_radius']
     fit = fit_trajectory(
         geometry, drives, clock=CLOCKS[clock], mean_radius=not keep,
-        windows=COMMANDED if commands else Windows())
+        windows=COMMANDED if commands else Windows(),
+        watch=lambda _: progress(f'fitting, iteration {next(rounds)}'))
+    progress('fitting the slip')
     after = fit.corrected(geometry)
     slip = fit_drive_slip(geometry, drives, fit, equal=values['equal_slip'])
     errors = [getattr(geometry, name) * getattr(fit, name).error for name in MULTIPLIERS]

@@ -218,12 +218,13 @@ def _drive(
         return drive_from_positions(*series)
     if not values['encoder_resolution']:
         raise ValueError(
-            'encoder_resolution is 0.0, expected the ticks of one turn of a wheel, as the file '
+            'encoder_resolution is 0.0, expected the ticks of one turn of a joint, as the file '
             'has left_ticks and right_ticks')
     time, ticks, *poses = series
     if not values['tick_increments']:
         ticks = np.diff(ticks, axis=0, prepend=ticks[:1])
-    return drive_from_ticks(time, ticks, *poses, ticks_per_turn=values['encoder_resolution'])
+    return drive_from_ticks(
+        time, ticks, *poses, ticks_per_turn=values['encoder_resolution'] * values['gear_ratio'])
 
 
 def _rows(path: str, rows: Array, columns: Sequence[str], *, commands: bool = False) -> Array:

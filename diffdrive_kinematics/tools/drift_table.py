@@ -15,7 +15,7 @@
 """What ``diffdrive_sim`` shows: progress, and where the robot believes to be and where it is."""
 
 import math
-from typing import Dict, List, NamedTuple, Tuple
+from typing import Dict, List, NamedTuple, Optional, Tuple
 
 from diffdrive_kinematics.core.kinematics import Pose, wrap_angle
 
@@ -23,11 +23,12 @@ __all__ = ['Robot', 'drift', 'drift_table', 'progress_line']
 
 
 class Robot(NamedTuple):
-    """A base for the table: its name, what it stands for, and its pose."""
+    """A base for the table: its name, what it stands for, its pose, and how far that is off."""
 
     name: str
     role: str
     pose: Pose
+    mean_error: Optional[Tuple[float, float]] = None  # of x and y [m], where the wheels slip
 
 
 def drift(belief: Pose, truth: Pose) -> Tuple[float, float]:
@@ -58,6 +59,10 @@ def drift_table(robots: List[Robot]) -> str:
             rows.append(
                 f"{f'drift ({namespace})' if namespace else 'drift':34}"
                 f"{_fixed(1000.0 * distance, 1) + ' mm':>20}{_fixed(math.degrees(turn), 2):>12}")
+    rows += [
+        f"{f'mean error ({robot.name})':34}"
+        + ''.join(f'{_fixed(1000.0 * error, 2)} mm'.rjust(10) for error in robot.mean_error)
+        for robot in robots if robot.role == 'belief' and robot.mean_error is not None]
     return '\n'.join(rows)
 
 

@@ -35,6 +35,7 @@ def wheel_rates(time_ns, left, right):
     return message
 
 
+@pytest.mark.quick
 def test_odometry_has_its_frames_initial_pose_covariances_and_twist_in_the_robots_frame(graph):
     graph.start('simulated_base', {
         **KHEPERA, 'initial_pose': [1.0, 2.0, math.pi / 2], 'odom_frame_id': 'map',

@@ -14,10 +14,13 @@
 
 """Each executable starts, ends cleanly on SIGINT and SIGTERM, and the demo shows its table."""
 
+import math
 from pathlib import Path
 import re
 import signal
 
+from diffdrive_kinematics.core.kinematics import Pose, WheelGeometry
+from diffdrive_kinematics.core.noise import CERTAIN, propagated_moments
 from geometry_msgs.msg import Twist
 from nav_msgs.msg import Odometry
 import pytest
@@ -78,6 +81,18 @@ def test_the_demo_shows_progress_and_ends_with_belief_truth_and_drift(graph):
     assert float(millimetres) == pytest.approx(1000.0 * (x * x + y * y) ** 0.5, abs=0.1)
     assert float(turn) == pytest.approx(yaw, abs=0.01)
     assert float(millimetres) > 1.0
+    error = next(line for line in lines if line.startswith('mean error (/simulated_base)'))
+    assert [float(each) for each in re.findall(r'(-?[\d.]+) mm', error)] == pytest.approx(
+        mean_error_of_the_square(), abs=0.006)
+
+
+def mean_error_of_the_square():
+    """Return the mean error of x and y [mm] that the slip of the demo makes."""
+    pose, moments, turn = Pose(0.0, 0.0, 0.0), CERTAIN, 0.5 * math.pi * 0.0885 / 2.0
+    for d_left, d_right in [(0.4, 0.4), (-turn, turn)] * 4:
+        pose, moments = propagated_moments(
+            moments, pose, WheelGeometry(0.0885, 0.021), d_left, d_right, 1e-6, 1e-6)
+    return 1e3 * moments.mean_error.real, 1e3 * moments.mean_error.imag
 
 
 @pytest.mark.parametrize('number', SIGNALS, ids=lambda number: number.name)

@@ -237,6 +237,7 @@ def batches_of(*pairs):
     return st.lists(each, min_size=BATCH, max_size=BATCH)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('stamped', [False, True])
 def test_no_command_takes_the_controller_down(stamped):
     counts = assert_works('diff_drive_controller', batches_of(
@@ -247,15 +248,18 @@ def test_no_command_takes_the_controller_down(stamped):
     assert counts['refused'] > 100
 
 
+@pytest.mark.slow
 def test_no_wheel_motion_takes_the_noise_down():
     assert assert_works('wheel_noise', batches_of(('/wheel_rates', wheels)))['refused'] > 100
 
 
+@pytest.mark.slow
 def test_no_wheel_motion_takes_the_base_down_and_its_odometry_stays_finite():
     assert assert_works('simulated_base', batches_of(('/wheel_rates', wheels)), {
         'enable_odom_tf': False})['refused'] > 100
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('encoders', [
     {}, {'encoder_range': 6.28, 'encoder_resolution': 100.0, 'max_encoder_rate': 50.0,
          'left_wheel_inverted': True}], ids=['ideal', 'real'])
@@ -304,6 +308,7 @@ def sane_drive(count):
     return drive
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('reference', ['odometry', 'pose'])
 def test_nothing_that_calibrate_hears_takes_it_down_and_it_answers(tmp_path, reference):
     """Mix nonsense with a drive; most of it has the stamps of the drive, or it was left out."""
@@ -347,6 +352,7 @@ def test_nothing_that_calibrate_hears_takes_it_down_and_it_answers(tmp_path, ref
         assert held.node.counts['refused'] > 100
 
 
+@pytest.mark.slow
 def test_no_odometry_or_wheel_motion_takes_the_projection_down(monkeypatch):
     monkeypatch.setattr(forward_projection, '_is_heard', lambda publisher: publisher is not None)
     assert assert_works('forward_projection', batches_of(

@@ -96,6 +96,7 @@ def test_stamped_commands_compose_exactly_at_the_stamps_that_were_sent(
     assert_same_pose(final, expected)
 
 
+@pytest.mark.quick
 def test_stamped_commands_that_come_late_and_all_at_once_compose_exactly_too(graph):
     odometry, _ = start_stack(
         graph, command_timeout=60.0, enable_stamped_cmd_vel=True, stamp_tolerance=60.0)

@@ -48,6 +48,7 @@ def test_the_examples_of_the_core_run():
 
 @pytest.mark.numpydoc
 @pytest.mark.linter
+@pytest.mark.slow
 def test_an_example_that_is_wrong_is_found(tmp_path):
     """One that imports ROS, too."""
     (tmp_path / 'wrong.py').write_text('"""\n>>> 1 + 1\n3\n"""\n', encoding='utf-8')

@@ -26,6 +26,7 @@ SOURCES = [str(ROOT / name) for name in ('setup.py', 'docs', 'diffdrive_kinemati
 
 @pytest.mark.flake8
 @pytest.mark.linter
+@pytest.mark.slow
 def test_flake8_finds_nothing():
     """The configuration is that of ament_flake8."""
     # In a process of its own: flake8 forks, which the threads of other tests do not survive.

@@ -26,6 +26,7 @@ SOURCES = [str(ROOT / name) for name in ('setup.py', 'diffdrive_kinematics', 'te
 
 @pytest.mark.pep257
 @pytest.mark.linter
+@pytest.mark.slow
 def test_pep257_finds_nothing(capfd, caplog):
     """The configuration is that of ament_pep257."""
     caplog.set_level(logging.WARNING, logger='pydocstyle.utils')  # else a line for each file

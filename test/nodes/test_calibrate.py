@@ -368,7 +368,9 @@ def test_files_of_every_kind_of_motion_find_the_wheels(graph, tmp_path):
             ('time_sec,left_rate,right_rate', rates, ()),
             ('time_sec,linear_x,angular_z', twists, ()),
             ('time_sec,left_ticks,right_ticks', angles * 500.0,
-             (f'encoder_resolution:={500.0 * math.tau}',))):
+             (f'encoder_resolution:={500.0 * math.tau}',)),
+            ('time_sec,left_ticks,right_ticks', angles * 500.0,
+             (f'encoder_resolution:={20.0 * math.tau}', 'gear_ratio:=25.0'))):
         written = tmp_path / 'found.yaml'
         settings = files_of(
             tmp_path, header, [(time, *row) for time, row in zip(times, columns)], poses)
@@ -380,6 +382,7 @@ def test_files_of_every_kind_of_motion_find_the_wheels(graph, tmp_path):
             TRUTH, rel=2e-3), header
 
 
+@pytest.mark.quick
 def test_of_rows_with_one_stamp_the_last_wins_and_the_table_counts_them(graph, tmp_path):
     samples = list(drive_samples(40.0))
     rows = [(time, *angles) for time, angles, _ in samples]

@@ -43,6 +43,7 @@ def test_a_list_is_played_in_order_and_ends_with_zero(graph, message_type):
     assert played[-3:] == [(0.1, 0.5), (-0.1, 0.0), (0.0, 0.0)]
 
 
+@pytest.mark.quick
 def test_a_recording_is_played_at_its_times_and_the_last_of_duplicate_stamps_wins(
         graph, tmp_path):
     recording = tmp_path / 'drive.csv'

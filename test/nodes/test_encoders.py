@@ -21,7 +21,7 @@ from geometry_msgs.msg import Twist
 from nav_msgs.msg import Odometry
 import pytest
 from sensor_msgs.msg import JointState
-from std_msgs.msg import Float64MultiArray
+from std_msgs.msg import Empty, Float64MultiArray
 from support.graph import KHEPERA, set_stamp, stamp_ns, twist
 
 JOINTS = ['left_wheel_joint', 'right_wheel_joint']
@@ -181,6 +181,63 @@ def test_inverted_wheels_have_the_sign_of_their_joints_in_every_message(graph, i
     motion = odometry[-1].twist.twist
     assert motion.linear.x == pytest.approx(1.05 * RADIUS, rel=1e-9)
     assert motion.angular.z == pytest.approx(0.1 * RADIUS / KHEPERA['wheel_separation'], rel=1e-9)
+
+
+LOOP = """\
+/**:
+  ros__parameters:
+    wheel_radius: 0.021
+    wheel_separation: 0.0885
+    right_wheel_inverted: true
+    gear_ratio: {gear}
+    enable_odom_tf: false
+    commands: [0.1, 0.5, 0.5, 0.3, -1.0, 0.5, 0.0, 0.0, 1.0]
+    max_wheel_rate: 8.0
+    right_bias: 0.1
+    left_slip_variance: 1.0e-5
+    wheel_commands_topic: wheel_commands
+    nodes: [diff_drive_controller, wheel_noise, simulated_base, command_sequence]
+    wait_for_topics: [odom, go]
+    real_time_factor: 2.0
+    clock_step: 0.01
+/**/simulated_base:
+  ros__parameters:
+    wheel_motion_topic: noisy_wheel_rates
+"""
+HEARD = {'wheel_rates': JointState, 'wheel_commands': Float64MultiArray,
+         'joint_states': JointState, 'noisy_wheel_rates': JointState, 'odom': Odometry}
+
+
+@pytest.mark.parametrize('gear', [8.0, 37.3])
+def test_a_loop_over_geared_motors_drives_as_one_without(graph, tmp_path, gear):
+    """Controller, noise and base, on stepped time; a gear of a power of two is exact."""
+    settings, heard = tmp_path / 'loop.yaml', {
+        topic: graph.collect(kind, topic) for topic, kind in HEARD.items()}
+    go, ends = graph.publisher(Empty, 'go', listeners=0), []
+    for ratio in (1.0, gear):
+        settings.write_text(LOOP.format(gear=ratio))
+        sim = graph.start('diffdrive_sim', args=['--ros-args', '--params-file', str(settings)])
+        graph.wait_for(lambda: heard['odom'], 'odometry')
+        graph.play_out(sim, go)
+        assert heard['odom'][-1].twist.twist.linear.x == 0.0
+        fastest = [max(abs(value) for message in heard[topic] for value in getattr(message, field))
+                   for topic, field in (
+                       ('wheel_rates', 'velocity'), ('wheel_commands', 'data'),
+                       ('noisy_wheel_rates', 'velocity'), ('joint_states', 'velocity'))]
+        pose = heard['odom'][-1].pose.pose
+        rolled = [tuple(heard[topic][-1].position) for topic in (
+            'wheel_rates', 'noisy_wheel_rates', 'joint_states')]
+        ends.append(([pose.position.x, pose.position.y, pose.orientation.z], fastest, rolled))
+        for messages in heard.values():
+            messages.clear()
+    (pose, fastest, rolled), (geared_pose, geared_fastest, geared_rolled) = ends
+    rounding = 0.0 if gear == 8.0 else 1e-9  # the root of what slip makes of the last bit
+    assert geared_pose == pytest.approx(pose, rel=rounding, abs=rounding)
+    assert fastest[0] == fastest[1] == pytest.approx(8.0, rel=1e-12)  # of the wheel
+    assert geared_fastest == pytest.approx([gear * rate for rate in fastest], rel=1e-9)
+    for motors, wheels in zip(geared_rolled, rolled):
+        assert wheels[0] > 0.0 > wheels[1]
+        assert motors == pytest.approx([gear * angle for angle in wheels], rel=1e-9)
 
 
 def test_encoders_that_start_again_elsewhere_are_reported_and_do_not_move_the_robot(graph):

@@ -130,6 +130,7 @@ def test_the_boundary_is_no_wider_than_what_samples_reach(graph):
     assert np.all(np.ptp(points, axis=0) > 0.9 * np.ptp(polygon, axis=0))
 
 
+@pytest.mark.quick
 def test_projections_have_the_stamp_and_frame_of_the_odometry_and_start_from_its_pose(graph):
     poses, boundaries, _ = project(
         graph, {**KHEPERA, 'publish_rate': 20.0, 'command_timeout': 0.0, 'samples': 3,

@@ -153,6 +153,7 @@ def test_silence_of_odometry_leaves_the_wheels_at_rest_until_it_is_back(graph):
     assert 'odometry is back' in steering.output
 
 
+@pytest.mark.quick
 def test_odometry_of_one_stamp_is_as_good_as_none(graph):
     steering = graph.start('goal_steering', {'odom_timeout': 0.3})
     odometry = graph.publisher(Odometry, 'odom')

@@ -17,9 +17,10 @@
 import math
 
 from diffdrive_kinematics.core.kinematics import (
-    Pose, travel_from_angles, WheelGeometry, wrap_angle)
+    Command, Pose, travel_from_angles, WheelGeometry, wrap_angle)
 from diffdrive_kinematics.core.noise import (
-    heading_variance, NO_COVARIANCE, propagated_covariance, sample_heading, twist_covariance)
+    CERTAIN, heading_variance, propagated_moments, sample_heading, sample_paths, twist_covariance,
+    WheelSlip)
 from nav_msgs.msg import Odometry
 import numpy as np
 import pytest
@@ -66,13 +67,17 @@ def matrix(covariance):
 
 
 def test_the_pose_has_the_covariance_of_its_path_in_the_axes_of_the_fixed_frame(graph):
-    message, seconds = moving_base(graph, SLIP)
+    message, _ = moving_base(graph, SLIP)
+    turned = wrap_angle(planar(message)[2] - 2.0)
+    seconds = turned * KHEPERA['wheel_separation'] / (KHEPERA['wheel_radius'] * (
+        RATES[1] - RATES[0]))  # as it counts them: a first message that was late is its start
+    assert seconds > 0.0
     travel = (KHEPERA['wheel_radius'] * rate * seconds for rate in RATES)
-    _, covariance = propagated_covariance(
-        NO_COVARIANCE, Pose(1.0, 2.0, 2.0), GEOMETRY, *travel, *SLIP.values())
+    _, moments = propagated_moments(
+        CERTAIN, Pose(1.0, 2.0, 2.0), GEOMETRY, *travel, *SLIP.values())
     published = matrix(message.pose.covariance)
     assert published[PLANAR] - FLOOR * np.eye(3) == pytest.approx(
-        covariance.matrix(), rel=1e-9, abs=1e-18)
+        moments.second_moment().matrix(), rel=1e-9, abs=1e-18)
 
 
 def test_the_twist_has_the_covariance_of_its_period(graph):
@@ -122,14 +127,14 @@ def test_the_base_publishes_the_covariance_that_the_slip_makes_along_its_arcs(gr
         'velocity_rolling_window_size': 1})
     odometry = graph.collect(Odometry, 'odom')
     wheels = graph.publisher(JointState, 'wheel_rates')
-    start, pose, expected = graph.now_ns() - 10**9, Pose(0.0, 0.0, 0.0), NO_COVARIANCE
+    start, pose, expected = graph.now_ns() - 10**9, Pose(0.0, 0.0, 0.0), CERTAIN
     before = (0.0, 0.0)
     for number, angles in enumerate([(0.0, 0.0), (3.0, 4.0), (9.0, 8.0), (8.0, 9.0)]):
         message = JointState(name=JOINTS, position=list(angles))
         set_stamp(message, start + number * 100_000_000)
         wheels.publish(message)
         travel = travel_from_angles(GEOMETRY, angles[0] - before[0], angles[1] - before[1])
-        pose, expected = propagated_covariance(
+        pose, expected = propagated_moments(
             expected, pose, GEOMETRY, *travel, *SLIP.values())
         before = angles
     message = graph.wait_for(
@@ -137,7 +142,8 @@ def test_the_base_publishes_the_covariance_that_the_slip_makes_along_its_arcs(gr
             pose.x, abs=1e-12) and odometry[-1], 'the end')
     published = np.reshape(message.pose.covariance, (6, 6))
     block = published[np.ix_((0, 1, 5), (0, 1, 5))]
-    assert block == pytest.approx(expected.matrix() + FLOOR * np.eye(3), rel=1e-9, abs=1e-18)
+    assert block == pytest.approx(
+        expected.second_moment().matrix() + FLOOR * np.eye(3), rel=1e-9, abs=1e-18)
     assert np.all(np.diag(published) >= FLOOR)
     assert message.twist.twist.linear.x == pytest.approx(0.0)  # positions: a rate, no motion on
 
@@ -157,6 +163,48 @@ def test_an_uncertain_heading_is_published_or_drawn(graph, seed):
         assert variance == pytest.approx(0.0, abs=1e-12)
 
 
+def written(lines, path):
+    """Write a params file; return its path."""
+    path.write_text('\n'.join(
+        f'{name}:\n  ros__parameters:\n' + '\n'.join(
+            f'    {key}: {str(value).lower() if isinstance(value, bool) else value}'
+            for key, value in values.items())
+        for name, values in lines.items()))
+    return path
+
+
+STRAIGHT = {  # 20 m, at whose end the yaw has a standard deviation of 0.1 rad
+    '/**': {
+        **KHEPERA, 'wheel_separation': 0.2, 'left_slip_variance': 1e-5,
+        'right_slip_variance': 1e-5, 'clock_step': 0.1, 'real_time_factor': 0.0,
+        'publish_rate': 10.0, 'enable_odom_tf': False, 'joint_states_topic': "''",
+        'nodes': ['command_sequence', 'diff_drive_controller', 'simulated_base']},
+    '/command_sequence': {
+        'commands': [2.0, 0.0, 10.0, 0.0, 0.0, 2.0], 'wait_for_topics': ['odom', 'go']}}
+
+
+def test_the_covariance_of_a_long_straight_is_that_of_20000_sampled_paths(graph, tmp_path):
+    """Along, across, yaw and across with yaw within 5 %; first order has 1/23 of that along."""
+    odometry = graph.collect(Odometry, 'odom')
+    go = graph.publisher(Empty, 'go', listeners=0)
+    sim = graph.start('diffdrive_sim', args=[
+        '--ros-args', '--params-file', str(written(STRAIGHT, tmp_path / 'straight.yaml'))])
+    graph.wait_for(lambda: odometry or not sim.running, 'odometry')
+    graph.play_out(sim, go)
+    graph.wait_for(lambda: planar(odometry[-1])[0] > 20.0 - 1e-6, 'the end')
+    slip = WheelSlip(variance=1e-5)
+    paths = sample_paths(
+        Pose(0.0, 0.0, 0.0), 200 * [Command(1.0, 0.0, 0.1)], WheelGeometry(0.2, 0.021), slip, slip,
+        n=20_000, seed=1)
+    error = np.array([column[-1] for column in paths]) - planar(odometry[-1])[:, None]
+    expected = error @ error.T / 20_000
+    published = matrix(odometry[-1].pose.covariance)[PLANAR]
+    scale = np.sqrt(np.diag(expected))
+    assert np.all(np.abs(published - expected) < 0.05 * np.outer(scale, scale))
+    for i, j in ((0, 0), (1, 1), (2, 2), (1, 2)):
+        assert published[i, j] == pytest.approx(expected[i, j], rel=0.05)
+
+
 def params_file(path):
     """Write the parameters of one robot that is believed, and of 50 true runs of it."""
     members = ['command_sequence', 'diff_drive_controller', 'simulated_base']
@@ -172,12 +220,7 @@ def params_file(path):
             'wheel_motion_topic': 'noisy_wheel_rates', 'odom_topic': 'ground_truth',
             'odom_frame_id': 'map', 'publish_rate': 1.0},
         **{f'/run{run}/noise': {'seed': run} for run in range(RUNS)}}
-    path.write_text('\n'.join(
-        f'{name}:\n  ros__parameters:\n' + '\n'.join(
-            f'    {key}: {str(value).lower() if isinstance(value, bool) else value}'
-            for key, value in values.items())
-        for name, values in lines.items()))
-    return path
+    return written(lines, path)
 
 
 def planar(message):

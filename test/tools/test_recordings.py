@@ -79,6 +79,16 @@ def test_a_drive_as_it_should_be_is_taken(tmp_path, kind, start):
     assert found.geometry.separation == pytest.approx(0.2, rel=0.01)
 
 
+def test_iterations_of_the_fit_are_told(tmp_path):
+    told = []
+    values = {'recordings': [written(tmp_path / 'a.csv', POSITIONS, drive())], 'references': [],
+              'mean_radius': '', 'equal_slip': True}
+    drives, _, _ = read_drives(values, GEOMETRY)
+    of_drives(values, GEOMETRY, drives, clock='none', progress=told.append)
+    assert told[:2] == ['fitting, iteration 1', 'fitting, iteration 2']
+    assert told[-1] == 'fitting the slip'
+
+
 @pytest.mark.parametrize('name, scale', [
     ('milliseconds', 1e3), ('microseconds', 1e6), ('nanoseconds', 1e9)])
 @pytest.mark.parametrize('start', [0.0, EPOCH])

@@ -200,10 +200,9 @@ def _centre(reference: Array, systematic: CalibrationParameters) -> Array:
 
 def _angles(drive: RecordedDrive, start: float, end: float) -> Array:
     """Return the wheel angles at two stamps and all between, interpolated at the two."""
-    first = int(np.searchsorted(drive.time, start, side='right'))
-    last = int(np.searchsorted(drive.time, end, side='left'))
-    around = slice(max(first - 1, 0), last + 1)
-    time, angles = drive.time[around], drive.angles[around]
-    ends = (np.array([np.interp(stamp, time, wheel) for wheel in angles.T])
-            for stamp in (start, end))
-    return np.vstack([next(ends), drive.angles[first:last], next(ends)])
+    low, high = np.searchsorted(drive.time, start, 'right'), np.searchsorted(drive.time, end)
+    near = slice(max(low - 1, 0), high + 1)  # each window costs its own length only
+    first, last = (
+        np.array([np.interp(stamp, drive.time[near], wheel) for wheel in drive.angles[near].T])
+        for stamp in (start, end))
+    return np.vstack([first, drive.angles[low:high], last])

@@ -16,7 +16,7 @@
 Slip from the scatter of return errors of a square: one k for both wheels.
 
 Systematic errors move the centre of gravity of either direction, slip scatters around it with
-the covariance ``k A`` that the package gives the end of the course (:mod:`.covariance`), A being
+the covariance ``k A`` that the package gives the end of the course (:mod:`.first_order`), A being
 that for k = 1 m.  Without the degrees of freedom of the two centres the estimate is
 ``k = sum (e - m)^T A^-1 (e - m) / (2 (N - 2))`` over the N runs, whose standard error for normal
 slip is ``k / sqrt(N - 2)``.  What scatters the measurements by hand counts as slip as well.

@@ -19,34 +19,43 @@ Bias and slip laws with their distributions, the covariance of the pose along an
 paths, and the set that bounded slip can reach.
 """
 
+from diffdrive_kinematics.core.noise.arc_moments import (
+    arc_moments, propagated_moments, slip_on_arc)
 from diffdrive_kinematics.core.noise.box_muller import fill_normals
-from diffdrive_kinematics.core.noise.covariance import (
-    E_MEAN, E_SQUARE, heading_covariance, moved_covariance, NO_COVARIANCE, polynomial,
-    PoseCovariance, propagated_covariance, SERIES_END, SINE_SQUARE, slip_covariance,
-    twist_covariance, TwistCovariance)
 from diffdrive_kinematics.core.noise.covariance_along import covariance_along
 from diffdrive_kinematics.core.noise.distributions import (
-    check_distribution, DISTRIBUTIONS, draw_unit, heading_variance, sample_heading, unit_bound)
+    check_distribution, DISTRIBUTIONS, draw_unit, sample_heading, unit_bound)
+from diffdrive_kinematics.core.noise.first_order import (
+    moved_covariance, propagated_covariance, slip_covariance)
+from diffdrive_kinematics.core.noise.heading_moments import (
+    GAUSSIAN, heading_variance, HeadingMoments, von_mises_moments)
 from diffdrive_kinematics.core.noise.matrices import pose_jacobians, rotations
 from diffdrive_kinematics.core.noise.noise import (
     check_slip_model, effective_ratio, sample_travel, SLIP_MODELS, travel_variance, WheelSlip)
-from diffdrive_kinematics.core.noise.outline import area, outer_boundary, perimeter, simplified
+from diffdrive_kinematics.core.noise.outline import outer_boundary
 from diffdrive_kinematics.core.noise.planar import (
     planar_covariance, planar_pose, yaw_from_quaternion)
+from diffdrive_kinematics.core.noise.polygons import area, perimeter, simplified
+from diffdrive_kinematics.core.noise.pose_covariance import NO_COVARIANCE, PoseCovariance
+from diffdrive_kinematics.core.noise.pose_moments import (
+    CERTAIN, followed, gaussian_moments, heading_moments, PoseMoments)
 from diffdrive_kinematics.core.noise.projected import Projected, projected
-from diffdrive_kinematics.core.noise.projection import (
-    lateral_variances, propagate, sample_paths, step_noise, StepNoise, travel_of_command)
+from diffdrive_kinematics.core.noise.projection import propagate, sample_paths
 from diffdrive_kinematics.core.noise.reachable import reachable_set, reachable_set_from_slip
 from diffdrive_kinematics.core.noise.stage import Stage, stage_from_slip, with_pivots_joined
+from diffdrive_kinematics.core.noise.step_noise import (
+    lateral_variances, step_noise, StepNoise, travel_of_command)
+from diffdrive_kinematics.core.noise.twist_covariance import twist_covariance, TwistCovariance
 
 __all__ = [
-    'DISTRIBUTIONS', 'E_MEAN', 'E_SQUARE', 'NO_COVARIANCE', 'PoseCovariance', 'Projected',
-    'SERIES_END', 'SINE_SQUARE', 'SLIP_MODELS', 'Stage', 'StepNoise', 'TwistCovariance',
-    'WheelSlip', 'area', 'check_distribution', 'check_slip_model', 'covariance_along', 'draw_unit',
-    'effective_ratio', 'fill_normals', 'heading_covariance', 'heading_variance',
-    'lateral_variances', 'moved_covariance', 'outer_boundary', 'perimeter', 'planar_covariance',
-    'planar_pose', 'polynomial', 'projected', 'propagate', 'propagated_covariance',
+    'CERTAIN', 'DISTRIBUTIONS', 'GAUSSIAN', 'HeadingMoments', 'NO_COVARIANCE', 'PoseCovariance',
+    'PoseMoments', 'Projected', 'SLIP_MODELS', 'Stage', 'StepNoise', 'TwistCovariance',
+    'WheelSlip', 'arc_moments', 'area', 'check_distribution', 'check_slip_model',
+    'covariance_along', 'draw_unit', 'effective_ratio', 'fill_normals', 'followed',
+    'gaussian_moments', 'heading_moments', 'heading_variance', 'lateral_variances',
+    'moved_covariance', 'outer_boundary', 'perimeter', 'planar_covariance', 'planar_pose',
+    'pose_jacobians', 'projected', 'propagate', 'propagated_covariance', 'propagated_moments',
     'reachable_set', 'reachable_set_from_slip', 'rotations', 'sample_heading', 'sample_paths',
-    'sample_travel', 'simplified', 'slip_covariance', 'stage_from_slip', 'step_noise',
-    'pose_jacobians', 'travel_of_command', 'travel_variance', 'twist_covariance', 'unit_bound',
-    'with_pivots_joined', 'yaw_from_quaternion']
+    'sample_travel', 'simplified', 'slip_covariance', 'slip_on_arc', 'stage_from_slip',
+    'step_noise', 'travel_of_command', 'travel_variance', 'twist_covariance', 'unit_bound',
+    'von_mises_moments', 'with_pivots_joined', 'yaw_from_quaternion']

@@ -22,8 +22,7 @@ each arc's part is swung by all the motion that is left, and the parts are added
 from typing import Tuple
 
 from diffdrive_kinematics.core.kinematics import Pose, pose_change_from_travel, sinc, WheelGeometry
-from diffdrive_kinematics.core.noise.covariance import (
-    E_MEAN, E_SQUARE, polynomial, SERIES_END, SINE_SQUARE)
+from diffdrive_kinematics.core.noise.arc_means import arc_means_of_all
 from diffdrive_kinematics.core.noise.matrices import pose_jacobians, rotations
 import numpy as np
 from numpy.typing import NDArray
@@ -75,7 +74,7 @@ def covariance_along(geometry: WheelGeometry, travel: Array) -> Tuple[Pose, Arra
 
 def _added(separation: float, travel: Array, chord: Array, half: Array) -> Array:
     """Return what each arc adds, in the axes of its middle direction, shape (n, 2, 3, 3)."""
-    e_mean, e_square, sine_square = (values[:, None] for values in _arc_means(half))
+    e_mean, e_square, sine_square = (values[:, None] for values in arc_means_of_all(half))
     cosine, sign = np.cos(half)[:, None], np.array([-1.0, 1.0])
     variance = np.abs(travel)
     lever = -sign * travel[:, ::-1] / (2.0 * separation)
@@ -90,20 +89,3 @@ def _added(separation: float, travel: Array, chord: Array, half: Array) -> Array
     added[..., 1, 2] = added[..., 2, 1] = variance * across / separation
     added[..., 2, 2] = variance / separation**2
     return added
-
-
-def _arc_means(half: Array) -> Tuple[Array, Array, Array]:
-    """Return the means that an arc takes, as of the scalar form."""
-    square = half * half
-    wide = square > SERIES_END
-    divisor = np.where(wide, half, 1.0)
-    cosine, ratio = np.cos(divisor), np.sin(divisor) / divisor
-    closed = ((ratio - cosine) / divisor,
-              (0.5 + cosine * (cosine - 1.5 * ratio)) / divisor**2,
-              0.5 * (1.0 - cosine * ratio) / divisor**2)
-    near = np.where(wide, 0.0, square)
-    series = (half * polynomial(E_MEAN, near), near * polynomial(E_SQUARE, near),
-              polynomial(SINE_SQUARE, near))
-    mean, square_mean, sine_square = (
-        np.where(wide, *forms) for forms in zip(closed, series))
-    return mean, square_mean, sine_square

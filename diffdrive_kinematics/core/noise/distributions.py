@@ -39,8 +39,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 __all__ = [
-    'DISTRIBUTIONS', 'check_distribution', 'draw_unit', 'heading_variance', 'sample_heading',
-    'unit_bound']
+    'DISTRIBUTIONS', 'check_distribution', 'draw_unit', 'sample_heading', 'unit_bound']
 
 DISTRIBUTIONS = ('gaussian', 'truncated_gaussian', 'triangular', 'uniform')
 
@@ -215,44 +214,3 @@ def sample_heading(
     centre = wrap_angle(check_finite('mean heading', mean))
     kappa = check_non_negative('concentration', concentration)
     return wrap_angle(generator.vonmises(centre, kappa, shape))
-
-
-def heading_variance(concentration: float) -> float:
-    """
-    Return the variance of a von Mises heading about its mean direction.
-
-    It is the linear variance of the deviation wrapped to (-pi, pi], the one a covariance of
-    poses starts with, and not the circular variance 1 - I_1 / I_0:
-    ``integral of t^2 exp(kappa cos t) dt / (2 pi I_0(kappa))`` over (-pi, pi] (Mardia & Jupp,
-    Directional Statistics, sec. 3.5.4), which is pi^2 / 3 at kappa = 0 and tends to 1 / kappa.
-    By Gauss-Legendre quadrature with the peak scaled to 1, as I_0 overflows from kappa = 714.
-
-    Parameters
-    ----------
-    concentration : float
-        Concentration kappa [1], 0 or above.
-
-    Returns
-    -------
-    float
-        Variance [rad^2].
-
-    Raises
-    ------
-    ValueError
-        If the concentration is not finite or below 0.
-
-    Examples
-    --------
-    >>> round(heading_variance(0.0), 6) == round(math.pi**2 / 3.0, 6)
-    True
-    >>> round(heading_variance(100.0), 4)
-    0.0101
-
-    """
-    kappa = check_non_negative('concentration', concentration)
-    nodes, weights = np.polynomial.legendre.leggauss(64)  # costs a process memory, once used
-    end = min(math.pi, 14.0 / math.sqrt(kappa)) if kappa > 0.0 else math.pi
-    angle = 0.5 * end * (nodes + 1.0)
-    weight = weights * np.exp(-2.0 * kappa * np.sin(0.5 * angle)**2)
-    return float(weight @ angle**2 / weight.sum())

@@ -13,7 +13,7 @@
 # limitations under the License.
 
 """
-The outer boundary of what a set of line segments encloses, and its simplification.
+The outer boundary of what a set of line segments encloses.
 
 Points are complex numbers x + i y [m]; a polygon is an array of them, counter-clockwise, not
 closed.
@@ -21,10 +21,11 @@ closed.
 
 from typing import List, Tuple
 
+from diffdrive_kinematics.core.noise.polygons import segment_distances
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ['area', 'outer_boundary', 'perimeter', 'simplified']
+__all__ = ['outer_boundary']
 
 Points = NDArray[np.complex128]
 Pairs = NDArray[np.int64]
@@ -35,52 +36,6 @@ JITTER = 1e-9
 
 ATTEMPTS = 4
 BLOCK = 128
-
-
-def area(polygon: Points) -> float:
-    """
-    Return the signed area of a polygon.
-
-    Parameters
-    ----------
-    polygon : numpy.ndarray of complex, shape (n,)
-        Its vertices [m].
-
-    Returns
-    -------
-    float
-        Area [m^2], positive where counter-clockwise.
-
-    Examples
-    --------
-    >>> area(np.array([0.0, 2.0, 2.0 + 1.0j, 1.0j]))
-    2.0
-
-    """
-    return float(0.5 * np.sum(_cross(polygon, np.roll(polygon, -1))))
-
-
-def perimeter(polygon: Points) -> float:
-    """
-    Return the length of the boundary of a polygon.
-
-    Parameters
-    ----------
-    polygon : numpy.ndarray of complex, shape (n,)
-        Its vertices [m].
-
-    Returns
-    -------
-    float
-        Length [m].
-
-    Examples
-    --------
-    >>> perimeter(np.array([0.0, 2.0, 2.0 + 1.0j, 1.0j]))
-    6.0
-
-    """
-    return float(np.sum(np.abs(np.roll(polygon, -1) - polygon)))
 
 
 def outer_boundary(points: Points, segments: Pairs) -> Points:
@@ -111,6 +66,7 @@ def outer_boundary(points: Points, segments: Pairs) -> Points:
     --------
     A square with its diagonals, which cross:
 
+    >>> from diffdrive_kinematics.core.noise.polygons import area
     >>> corners = np.array([0.0, 1.0, 1.0 + 1.0j, 1.0j])
     >>> sides = np.array([[0, 1], [1, 2], [2, 3], [3, 0], [0, 2], [1, 3]])
     >>> boundary = outer_boundary(corners, sides)
@@ -135,63 +91,11 @@ def outer_boundary(points: Points, segments: Pairs) -> Points:
     raise RuntimeError('the outline of the reachable set does not close')
 
 
-def simplified(polygon: Points, tolerance: float) -> Points:
-    """
-    Return some of the vertices, such that no other is further from its edge than a tolerance.
-
-    The method of Douglas & Peucker (1973) on the two halves of the boundary.
-
-    Parameters
-    ----------
-    polygon : numpy.ndarray of complex, shape (n,)
-        Vertices [m].
-    tolerance : float
-        Largest distance [m] of a vertex that is left out.
-
-    Returns
-    -------
-    numpy.ndarray of complex, shape (m,)
-        The vertices that are kept [m], in their order.
-
-    Examples
-    --------
-    >>> simplified(np.array([0.0, 1.0 + 0.01j, 2.0, 2.0 + 1.0j, 1.0j]), tolerance=0.1)
-    array([0.+0.j, 2.+0.j, 2.+1.j, 0.+1.j])
-
-    """
-    far = int(np.argmax(np.abs(polygon - polygon[0])))
-    closed = np.append(polygon, polygon[0])
-    keep = np.zeros(len(closed), bool)
-    keep[[0, far]] = True
-    spans = [(0, far), (far, len(polygon))]
-    while spans:
-        begin, end = spans.pop()
-        if end - begin < 2:
-            continue
-        distance = _distance(closed[begin + 1:end], closed[begin:begin + 1], closed[end:end + 1])
-        worst = int(np.argmax(distance))
-        if distance[worst] > tolerance:
-            middle = begin + 1 + worst
-            keep[middle] = True
-            spans += [(begin, middle), (middle, end)]
-    return polygon[keep[:-1]]
-
-
 def _snapped(points: Points, size: float) -> Pairs:
     """Return a number for each point, equal for points that are equal but for rounding."""
     grid = np.round((points - points[0]) / (1e-12 * size))
     keys = np.stack([grid.real, grid.imag], axis=1).astype(np.int64)
     return np.asarray(np.unique(keys, axis=0, return_inverse=True)[1]).reshape(-1)
-
-
-def _distance(points: Points, begin: Points, end: Points) -> Vector:
-    """Return the distances [m] of points from segments; shapes broadcast."""
-    along = end - begin
-    length = np.abs(along)
-    unit = np.where(length == 0.0, 1.0, along) / np.where(length == 0.0, 1.0, length)
-    place = (points - begin) * np.conj(unit)
-    beyond = place.real - np.clip(place.real, 0.0, length)
-    return np.asarray(np.hypot(beyond, place.imag))
 
 
 def _cross(a: Points, b: Points) -> Vector:
@@ -250,7 +154,7 @@ def _encloses(polygon: Points, points: Points, tolerance: float) -> bool:
     strays = points[~inside]
     strays = strays[~np.isin(strays, polygon)]
     return all(
-        bool((_distance(part[:, None], begin, end).min(axis=1) <= tolerance).all())
+        bool((segment_distances(part[:, None], begin, end).min(axis=1) <= tolerance).all())
         for part in np.array_split(strays, 1 + len(strays) // BLOCK) if len(part))
 
 

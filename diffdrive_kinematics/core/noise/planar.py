@@ -18,7 +18,7 @@ import math
 from typing import Sequence, Tuple
 
 from diffdrive_kinematics.core.kinematics import is_sane, LARGEST, Pose
-from diffdrive_kinematics.core.noise.covariance import PoseCovariance
+from diffdrive_kinematics.core.noise.pose_covariance import PoseCovariance
 import numpy as np
 
 __all__ = ['planar_covariance', 'planar_pose', 'yaw_from_quaternion']

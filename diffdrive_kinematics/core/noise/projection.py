@@ -26,18 +26,16 @@ step.  The law ``command`` has one error per interval, and no such part.
 
 from concurrent.futures import ThreadPoolExecutor
 import math
-from typing import NamedTuple, Sequence, Tuple, Union
+from typing import Sequence, Tuple, Union
 
 from diffdrive_kinematics.core.kinematics import check_finite, Command, Pose, Scalar, WheelGeometry
-from diffdrive_kinematics.core.noise.box_muller import fill_normals
-from diffdrive_kinematics.core.noise.distributions import draw_unit
-from diffdrive_kinematics.core.noise.noise import travel_variance, WheelSlip
+from diffdrive_kinematics.core.noise.arcs_in_place import Columns, move_chunk
+from diffdrive_kinematics.core.noise.noise import WheelSlip
+from diffdrive_kinematics.core.noise.step_noise import step_noise, travel_of_command
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = [
-    'StepNoise', 'lateral_variances', 'propagate', 'sample_paths', 'step_noise',
-    'travel_of_command']
+__all__ = ['propagate', 'sample_paths']
 
 Array = NDArray[np.float64]
 Seed = Union[int, Sequence[int]]
@@ -47,138 +45,6 @@ ROWS = 16384
 
 MOST_THREADS = 8
 """Threads that work at once: bounds the memory of their buffers."""
-
-TINY = 1e-300
-
-
-class Columns(NamedTuple):
-    """
-    Poses as three arrays.
-
-    Parameters
-    ----------
-    x, y : numpy.ndarray, shape (N,)
-        Positions [m].
-    theta : numpy.ndarray, shape (N,)
-        Headings [rad], not wrapped.
-
-    Examples
-    --------
-    >>> Columns(*np.zeros((3, 1000))).theta.shape
-    (1000,)
-
-    """
-
-    x: Array
-    y: Array
-    theta: Array
-
-
-class StepNoise(NamedTuple):
-    """
-    The mean of one step and the standard deviations of its errors; floats, or one per pose.
-
-    Parameters
-    ----------
-    half_turn : float or numpy.ndarray
-        Half the turn of the step, h [rad].
-    distance : float or numpy.ndarray
-        Travel of the centre [m].
-    left, right : float or numpy.ndarray
-        What the slip of either wheel adds to the half turn [rad]: sigma / (2 L).
-    lateral_left, lateral_right : float or numpy.ndarray
-        What it adds to the lateral displacement [m].
-
-    Examples
-    --------
-    >>> noise = step_noise(0.25, 0.5, WheelGeometry(0.5, 0.125), WheelSlip(), WheelSlip())
-    >>> noise.half_turn, noise.distance, noise.left
-    (0.25, 0.375, 0.0)
-
-    """
-
-    half_turn: Scalar
-    distance: Scalar
-    left: Scalar
-    right: Scalar
-    lateral_left: Scalar
-    lateral_right: Scalar
-
-
-def lateral_variances(
-        d_left: Scalar, d_right: Scalar, geometry: WheelGeometry, left_slip: WheelSlip,
-        right_slip: WheelSlip) -> Tuple[Scalar, Scalar]:
-    """
-    Return the variance of the lateral displacement that the slip of either wheel makes.
-
-    ``q_l d_r^2 / (12 L^2)`` and ``q_r d_l^2 / (12 L^2)``: the error of a wheel turns the robot
-    about the other wheel.  q is that of the nominal travel, d the biased one.
-
-    Parameters
-    ----------
-    d_left, d_right : float or numpy.ndarray
-        Nominal travel [m] of the wheels in one step.
-    geometry : WheelGeometry
-        Distance of the wheels.
-    left_slip, right_slip : WheelSlip
-        Bias and slip of the wheels.
-
-    Returns
-    -------
-    left : float or numpy.ndarray
-        From the slip of the left wheel [m^2]; zero for the law ``command``.
-    right : float or numpy.ndarray
-        From the slip of the right wheel [m^2], likewise.
-
-    Examples
-    --------
-    >>> slip = WheelSlip(variance=1e-4)
-    >>> left, right = lateral_variances(1.0, 1.0, WheelGeometry(0.5, 0.125), slip, slip)
-    >>> f'{left + right:.2e}'  # a quarter of Var y after a straight metre
-    '6.67e-05'
-
-    """
-    scale = 1.0 / (12.0 * geometry.separation**2)
-    left, right = (1.0 + left_slip.bias) * d_left, (1.0 + right_slip.bias) * d_right
-    return (scale * _gathered(left_slip, d_left) * right * right,
-            scale * _gathered(right_slip, d_right) * left * left)
-
-
-def step_noise(
-        d_left: Scalar, d_right: Scalar, geometry: WheelGeometry, left_slip: WheelSlip,
-        right_slip: WheelSlip) -> StepNoise:
-    """
-    Return mean and standard deviations of one step of wheel travel.
-
-    Parameters
-    ----------
-    d_left, d_right : float or numpy.ndarray
-        Nominal travel [m] of the wheels.
-    geometry : WheelGeometry
-        Distance of the wheels.
-    left_slip, right_slip : WheelSlip
-        Bias and slip of the wheels.
-
-    Returns
-    -------
-    StepNoise
-        The mean has the bias in it.
-
-    Examples
-    --------
-    >>> slip = WheelSlip(variance=1e-4)
-    >>> f'{step_noise(1.0, 1.0, WheelGeometry(0.5, 0.125), slip, slip).left:.3f} rad'
-    '0.010 rad'
-
-    """
-    left, right = (1.0 + left_slip.bias) * d_left, (1.0 + right_slip.bias) * d_right
-    double = 2.0 * geometry.separation
-    lateral = lateral_variances(d_left, d_right, geometry, left_slip, right_slip)
-    return StepNoise(
-        (right - left) / double, 0.5 * (left + right),
-        _root(travel_variance(left_slip, d_left)) / double,
-        _root(travel_variance(right_slip, d_right)) / double,
-        _root(lateral[0]), _root(lateral[1]))
 
 
 def propagate(
@@ -248,8 +114,8 @@ def propagate(
             noise = step_noise(
                 _part(d_left, part), _part(d_right, part), geometry, left_slip, right_slip)
             bits = np.random.SFC64(np.random.SeedSequence(entropy, spawn_key=(chunk,)))
-            _move_chunk(_cut(columns, part), _cut(moved, part), geometry, noise, bits, buffer,
-                        (left_slip.distribution, right_slip.distribution))
+            move_chunk(_cut(columns, part), _cut(moved, part), geometry, noise, bits, buffer,
+                       (left_slip.distribution, right_slip.distribution))
 
     if workers == 1:
         work_on(0)
@@ -257,34 +123,6 @@ def propagate(
         with ThreadPoolExecutor(workers) as pool:
             list(pool.map(work_on, range(workers)))
     return Pose(*moved)
-
-
-def travel_of_command(command: Command, geometry: WheelGeometry) -> Tuple[float, float]:
-    """
-    Return the nominal travel of the wheels under a command.
-
-    Parameters
-    ----------
-    command : Command
-        Twist and duration.
-    geometry : WheelGeometry
-        Distance of the wheels.
-
-    Returns
-    -------
-    d_left : float
-        Travel of the left wheel [m].
-    d_right : float
-        Travel of the right wheel [m].
-
-    Examples
-    --------
-    >>> travel_of_command(Command(0.375, 0.5, 2.0), WheelGeometry(0.5, 0.125))
-    (0.5, 1.0)
-
-    """
-    half = 0.5 * geometry.separation * command.w
-    return (command.v - half) * command.duration, (command.v + half) * command.duration
 
 
 def sample_paths(
@@ -339,90 +177,6 @@ def sample_paths(
                        seed=(*numbers, step))
         path.append(at)
     return Pose(*(np.stack(column) for column in zip(*path)))
-
-
-def _move_chunk(
-        poses: Columns, moved: Columns, geometry: WheelGeometry, noise: StepNoise,
-        bits: 'np.random.SFC64', buffer: Array, distributions: Tuple[str, str]) -> None:
-    """Move the poses of one chunk into ``moved``, in place on the work buffer."""
-    rows = len(moved.x)
-    left, right, lateral = _drawn(rows, noise, bits, buffer, distributions)
-    distance, scratch = buffer[-2 * rows:].reshape(2, rows)
-    np.add(left, right, out=distance)
-    distance *= geometry.separation
-    distance += noise.distance
-    right -= left
-    right += noise.half_turn
-    _move_arcs(poses, moved, right, distance, lateral, left, scratch)
-
-
-def _drawn(
-        rows: int, noise: StepNoise, bits: 'np.random.SFC64', buffer: Array,
-        distributions: Tuple[str, str]) -> Tuple[Array, Array, Array]:
-    """Return the errors: of the half turn by either wheel [rad], and to the side [m]."""
-    if distributions != ('gaussian', 'gaussian'):
-        generator = np.random.Generator(bits)
-        (left, side_left), (right, side_right) = (
-            np.asarray(draw_unit(name, generator, (2, rows))) for name in distributions)
-        return (left * noise.left, right * noise.right,
-                side_left * noise.lateral_left + side_right * noise.lateral_right)
-    pairs = (3 * rows + 1) // 2
-    drawn = buffer[:2 * pairs]
-    fill_normals(bits, drawn, buffer[-2 * pairs:].reshape(2, pairs))
-    left, right, lateral = drawn[:3 * rows].reshape(3, rows)
-    left *= noise.left
-    right *= noise.right
-    lateral *= _root(noise.lateral_left**2 + noise.lateral_right**2)
-    return left, right, lateral
-
-
-def _move_arcs(
-        poses: Columns, moved: Columns, half: Array, distance: Array, lateral: Array,
-        tangent: Array, weight: Array) -> None:
-    """
-    Move poses along arcs and then sideways; all but ``poses`` are overwritten.
-
-    ``half`` [rad] is h, half the turn.  One tan, which numpy computes on several elements at
-    once, stands for sine and cosine: with t = tan(phi / 2) and w = 1 + t^2 they are 2 t / w and
-    (2 - w) / w.  tan stays finite, as no double is an odd multiple of pi / 2; ``TINY`` makes
-    sin h / h = 1 of h = 0.
-    """
-    x, y, theta = moved
-    np.add(poses.theta, half, out=tangent)  # phi
-    np.add(tangent, half, out=theta)
-    tangent *= 0.5
-    np.tan(tangent, out=tangent)
-    half += TINY
-    distance /= half
-    half *= 0.5
-    np.tan(half, out=half)
-    distance *= half
-    half *= half
-    half += 1.0
-    np.multiply(tangent, tangent, out=weight)
-    weight += 1.0
-    half *= weight
-    distance *= 2.0
-    distance /= half  # chord / w
-    lateral /= weight
-    tangent *= 2.0
-    np.subtract(2.0, weight, out=weight)
-    np.multiply(distance, weight, out=half)
-    half += poses.x
-    np.multiply(lateral, tangent, out=x)
-    np.subtract(half, x, out=x)
-    distance *= tangent
-    lateral *= weight
-    distance += lateral
-    np.add(distance, poses.y, out=y)
-
-
-def _gathered(slip: WheelSlip, travel: Scalar) -> Scalar:
-    return travel_variance(slip, travel) if slip.model == 'travel' else 0.0 * travel
-
-
-def _root(variance: Scalar) -> Scalar:
-    return np.sqrt(variance) if isinstance(variance, np.ndarray) else math.sqrt(variance)
 
 
 def _part(value: Scalar, part: slice) -> Scalar:

@@ -41,9 +41,11 @@ import math
 from typing import Sequence, Tuple, Union
 
 from diffdrive_kinematics.core.kinematics import (
-    check_finite, check_non_negative, Pose, pose_change_from_travel, sinc, WheelGeometry)
+    check_finite, check_non_negative, Pose, WheelGeometry)
 from diffdrive_kinematics.core.noise.noise import WheelSlip
-from diffdrive_kinematics.core.noise.outline import area, outer_boundary, perimeter, simplified
+from diffdrive_kinematics.core.noise.outline import outer_boundary
+from diffdrive_kinematics.core.noise.polygons import area, perimeter, simplified
+from diffdrive_kinematics.core.noise.reach_mesh import mesh_of, slice_of, turned_edges
 from diffdrive_kinematics.core.noise.stage import Stage, stage_from_slip, with_pivots_joined
 import numpy as np
 from numpy.typing import NDArray
@@ -187,8 +189,8 @@ def _reachable(
     for stage in reversed(stages):
         polygon, margin = _before(polygon, margin, stage, geometry, share, most_vertices // 2)
     margin += FLOAT32 * float(np.max(np.abs(polygon)) + math.hypot(x, y))
-    ring = _slice(polygon, 0.0, (-margin, margin), margin)
-    widened = outer_boundary(ring, _turned(ring[:, None]))
+    ring = slice_of(polygon, 0.0, (-margin, margin), margin)
+    widened = outer_boundary(ring, turned_edges(ring[:, None]))
     placed = complex(x, y) + complex(math.cos(theta), math.sin(theta)) * widened
     return placed.real.copy(), placed.imag.copy()
 
@@ -200,13 +202,14 @@ def _before(
     slices, tolerance = FEWEST_SLICES, math.inf
     while True:
         nodes, sagitta = _nodes(stage, geometry, float(np.max(np.abs(polygon))), slices)
-        mesh = _mesh(polygon, margin + sagitta + LEAST, stage, geometry, nodes)
-        turned = _turned(mesh)
+        mesh = mesh_of(polygon, margin + sagitta + LEAST, stage, geometry, nodes)
+        turned = turned_edges(mesh)
         finest = len(turned) > 2 * len(mesh) + MOST_FOLDS or slices >= MOST_SLICES
         if sagitta <= tolerance or finest:  # that of a coarser mesh: a finer one has a smaller
             outline = outer_boundary(mesh.reshape(-1), turned)
             size = float(np.max(np.abs(outline - outline[0])))
-            tolerance = max(share * _thickness(outline), THINNEST * size, LEAST)
+            thickness = area(outline) / (perimeter(outline) or math.inf)
+            tolerance = max(share * thickness, THINNEST * size, LEAST)
             if sagitta <= tolerance or finest:
                 break
         slices *= 2
@@ -216,11 +219,6 @@ def _before(
         tolerance *= 1.5
         smaller = simplified(outline, tolerance)
     return smaller, tolerance
-
-
-def _thickness(polygon: Points) -> float:
-    length = perimeter(polygon)
-    return area(polygon) / length if length else 0.0
 
 
 def _nodes(
@@ -242,111 +240,6 @@ def _nodes(
     reach = (radius + 0.5 * abs(stage.d_left + stage.d_right) + wheels + stage.lateral_bound
              + geometry.separation)
     return np.unique(np.concatenate([nodes, [kink, -kink]])), 0.5 * reach * step * step
-
-
-def _mesh(
-        polygon: Points, margin: float, stage: Stage, geometry: WheelGeometry, nodes: Array
-) -> Points:
-    """Return the boundaries of the sums for each half turn, shape (around, slices)."""
-    distance, turn = pose_change_from_travel(geometry, stage.d_left, stage.d_right)
-    return np.stack([
-        _slice(polygon, 0.5 * turn + node,
-               _distances(stage, geometry, distance, node, margin),
-               stage.lateral_bound + margin)
-        for node in nodes], axis=1)
-
-
-def _distances(
-        stage: Stage, geometry: WheelGeometry, distance: float, node: float, margin: float
-) -> Tuple[float, float]:
-    """Return least and largest distance [m] of the centre that go with an error of h [rad]."""
-    across = geometry.separation * node
-    low = max(-stage.left_bound, -stage.right_bound - 2.0 * across) + across
-    high = min(stage.left_bound, stage.right_bound - 2.0 * across) + across
-    middle = 0.5 * (low + high)
-    return distance + min(low, middle) - margin, distance + max(high, middle) + margin
-
-
-def _slice(
-        polygon: Points, half: float, distances: Tuple[float, float], lateral: float) -> Points:
-    """
-    Return the boundary of the sum of the rotated polygon and the rectangle of one half turn.
-
-    It is the convolution of the two boundaries: each vertex, once for the normal of either of
-    its edges and at most 45 degrees apart in between, goes with the corner of the rectangle that
-    is furthest along the normal.
-    """
-    points, normals = _with_normals(polygon)
-    ratio = float(sinc(half))
-    low, high = sorted((ratio * distances[0], ratio * distances[1]))
-    angle = normals + half
-    corner = (np.where(np.cos(angle) > 0.0, high, low)
-              + 1j * np.where(np.sin(angle) > 0.0, lateral, -lateral))
-    turned = complex(math.cos(half), math.sin(half))
-    return np.asarray(turned * (turned * points + corner))
-
-
-def _with_normals(polygon: Points) -> Tuple[Points, Array]:
-    """Return vertices with directions [rad] of the outward normal, going around once."""
-    if len(polygon) == 1:
-        return np.repeat(polygon, 8), np.linspace(0.0, math.tau, 8, endpoint=False) + 0.1
-    after = np.angle(np.roll(polygon, -1) - polygon) - 0.5 * math.pi
-    before = np.roll(after, 1)
-    bend = np.remainder(after - before + math.pi, math.tau) - math.pi
-    bend[bend < 1e-9 - math.pi] += math.tau  # a tip turns to the left
-    parts = 1 + np.ceil(np.abs(bend) / (0.25 * math.pi)).astype(np.int64)
-    which = np.repeat(np.arange(len(polygon)), parts)
-    rank = np.arange(len(which)) - np.repeat(np.cumsum(parts) - parts, parts)
-    fraction = rank / np.maximum(parts[which] - 1, 1)
-    return polygon[which], before[which] + fraction * bend[which]
-
-
-def _turned(mesh: Points) -> Pairs:
-    """
-    Return the edges of a mesh, shape (around, slices), that its outer boundary can follow.
-
-    Those are the edges of the first and of the last slice, and inner ones whose two triangles
-    lie on one side.  The mesh is closed around; points are numbered by rows.
-    """
-    numbers = np.arange(mesh.size).reshape(mesh.shape)
-    following = np.roll(numbers, -1, axis=0)
-    rings = np.stack([numbers, following], axis=-1)
-    if mesh.shape[1] == 1:
-        return rings.reshape(-1, 2)
-    lower, upper = _orientations(mesh)
-    return np.concatenate([
-        rings[:, [0, -1]].reshape(-1, 2),
-        rings[:, 1:-1][lower[:, 1:] * upper[:, :-1] <= 0],
-        np.stack([numbers[:, :-1], following[:, 1:]], axis=-1)[lower * upper <= 0],
-        np.stack([numbers[:, :-1], numbers[:, 1:]], axis=-1)[
-            upper * np.roll(lower, 1, axis=0) <= 0]])
-
-
-def _orientations(mesh: Points) -> Tuple[Pairs, Pairs]:
-    """
-    Return the signs of the triangles on either side of the diagonals, lower and upper.
-
-    Lower ones are (k, j), (k+1, j), (k+1, j+1), upper ones (k, j), (k+1, j+1), (k, j+1).  A
-    triangle with an edge of no length takes the sign of the one before in its strip, as the
-    two edges left of it are one.
-    """
-    a, b = mesh[:, :-1], np.roll(mesh, -1, axis=0)[:, :-1]
-    c, d = np.roll(mesh, -1, axis=0)[:, 1:], mesh[:, 1:]
-    tiny = 1e-12 * float(np.max(np.abs(mesh - mesh[0, 0])))
-    strip = np.stack([_sign(a, c, d, tiny), _sign(a, b, c, tiny)], axis=1)
-    flat = strip.reshape(-1, mesh.shape[1] - 1)
-    known = np.where(flat != 2, np.arange(len(flat))[:, None], -1)
-    last = np.maximum.accumulate(known, axis=0)
-    last = np.where(last < 0, last[-1], last)
-    filled = np.where(last < 0, 0, np.take_along_axis(flat, np.maximum(last, 0), axis=0))
-    return filled[1::2], filled[0::2]
-
-
-def _sign(a: Points, b: Points, c: Points, tiny: float) -> Pairs:
-    """Return the orientations of triangles, 2 for one with an edge of no length."""
-    cross = ((b - a) * np.conj(c - a)).imag
-    short = np.minimum(np.minimum(np.abs(b - a), np.abs(c - a)), np.abs(c - b)) <= tiny
-    return np.where(short, 2, -np.sign(cross)).astype(np.int64)
 
 
 def _per_stage(name: str, bound: Bounds, stages: int) -> Sequence[float]:

@@ -24,7 +24,7 @@ from typing import NamedTuple, Sequence, Tuple
 from diffdrive_kinematics.core.kinematics import check_finite, Scalar, WheelGeometry
 from diffdrive_kinematics.core.noise.distributions import unit_bound
 from diffdrive_kinematics.core.noise.noise import travel_variance, WheelSlip
-from diffdrive_kinematics.core.noise.projection import lateral_variances
+from diffdrive_kinematics.core.noise.step_noise import lateral_variances
 
 __all__ = ['Stage', 'stage_from_slip', 'with_pivots_joined']
 

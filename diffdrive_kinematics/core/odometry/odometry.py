@@ -27,7 +27,8 @@ from diffdrive_kinematics.core.kinematics import (
     check_finite, check_non_negative, is_sane, LARGEST, Pose, RunningSum, travel_from_angles,
     twist_from_wheel_rates, WheelGeometry, wrap_angle)
 from diffdrive_kinematics.core.noise import (
-    moved_covariance, NO_COVARIANCE, PoseCovariance, slip_covariance)
+    arc_moments, CERTAIN, followed, gaussian_moments, NO_COVARIANCE, PoseCovariance, PoseMoments,
+    slip_on_arc)
 from diffdrive_kinematics.core.odometry.measured_wheels import MeasuredWheels
 from diffdrive_kinematics.core.odometry.sender_clock import SenderClock, tolerance_of
 from diffdrive_kinematics.core.odometry.wheel_motion import (
@@ -89,8 +90,8 @@ class Odometry(NamedTuple):
         What the wheels do since the anchor; None until the first sample.
     slip_variances : pair of float
         Variances k (left, right) [m] of a wheel's travel per metre; 0: the wheels do not slip.
-    covariance : PoseCovariance
-        Of the pose at the anchor, in the fixed frame.
+    moments : PoseMoments
+        Of the error of the pose at the anchor, in the fixed frame.
     max_rate : float
         Wheel rate [rad/s] above which an increment of a driver's positions is no motion; inf:
         none is.
@@ -123,7 +124,7 @@ class Odometry(NamedTuple):
     right: RunningSum = RunningSum(0.0)
     motion: Optional[WheelMotion] = None
     slip_variances: WheelPair = NO_SLIP
-    covariance: PoseCovariance = NO_COVARIANCE
+    moments: PoseMoments = CERTAIN
     max_rate: float = math.inf
     clock: SenderClock = SenderClock(tolerance_of(None))
     measured: Optional[MeasuredWheels] = None
@@ -148,7 +149,7 @@ class Odometry(NamedTuple):
         slip_variances : pair of float
             Variances k (left, right) [m] of a wheel's travel per metre.
         covariance : PoseCovariance
-            Of the pose, in the fixed frame.
+            Of the pose, in the fixed frame; its error is Gaussian.
 
         Returns
         -------
@@ -170,8 +171,8 @@ class Odometry(NamedTuple):
             check_finite(f'{name} of the pose', float(value))
         return Odometry(
             geometry, timeout_ns, RunningSum(float(pose.x)), RunningSum(float(pose.y)),
-            RunningSum(float(pose.theta)), slip_variances=slip_variances, covariance=covariance,
-            clock=SenderClock(tolerance_of(timeout_ns)))
+            RunningSum(float(pose.theta)), slip_variances=slip_variances,
+            moments=gaussian_moments(covariance), clock=SenderClock(tolerance_of(timeout_ns)))
 
     def update(self, sample: WheelSample, now_ns: int) -> Tuple['Odometry', Verdict]:
         """
@@ -228,7 +229,7 @@ class Odometry(NamedTuple):
             return Odometry(
                 self.geometry, self.timeout_ns, odometry.x, odometry.y, odometry.theta,
                 odometry.left, odometry.right, result.motion, self.slip_variances,
-                odometry.covariance, self.max_rate, clock, self.measured, self.unmeasured), verdict
+                odometry.moments, self.max_rate, clock, self.measured, self.unmeasured), verdict
         self._check_sane(sample.rates or NOTHING, 'velocity')
         self._check_sane(result.rolled, 'position')
         if verdict is CLOCK_STEP:
@@ -356,7 +357,7 @@ class Odometry(NamedTuple):
         pose : Pose
             Where it was put; scalars.
         covariance : PoseCovariance
-            Of the pose, in the fixed frame.
+            Of the pose, in the fixed frame; its error is Gaussian.
         now_ns : int
             When it was put there [ns], on the own clock.
         keep_angles : bool
@@ -398,8 +399,9 @@ class Odometry(NamedTuple):
             -self.left.value_with(angle[0]), -self.right.value_with(angle[1]))
         return self._replace(
             x=RunningSum(float(pose.x)), y=RunningSum(float(pose.y)),
-            theta=RunningSum(float(pose.theta)), motion=motion, covariance=covariance,
-            left=left, right=right, measured=self.measured and self.measured.rested(gone))
+            theta=RunningSum(float(pose.theta)), motion=motion,
+            moments=gaussian_moments(covariance), left=left, right=right,
+            measured=self.measured and self.measured.rested(gone))
 
     def clock_stepped(self, step_ns: int) -> 'Odometry':
         """
@@ -486,8 +488,8 @@ class Odometry(NamedTuple):
         """
         Return the covariance of the pose at a time, in the fixed frame (the axes of x and y).
 
-        It is what the slip of the wheels has made of an exactly known start, to first order.  The
-        equations stand in ``covariance``.
+        It is the second moment of the error about the pose of :meth:`predict`, whose mean is
+        that of :meth:`moments_at`.
 
         Parameters
         ----------
@@ -509,24 +511,53 @@ class Odometry(NamedTuple):
         0.0008
 
         """
-        if self.motion is None or self._is_certain():
-            return self.covariance
-        angle = self._angle_at(self.motion, self._theirs(time_ns))
-        return self.covariance if angle == (0.0, 0.0) else self._covariance_after(angle)
+        if self._is_certain():
+            return NO_COVARIANCE
+        return self.moments_at(time_ns).second_moment()
+
+    def moments_at(self, time_ns: int) -> PoseMoments:
+        """
+        Return the moments of the error of the pose at a time, in the fixed frame.
+
+        They are what slip makes of the start, exactly; the equations stand in ``arc_moments``.
+
+        Parameters
+        ----------
+        time_ns : int
+            The time [ns], on the own clock.
+
+        Returns
+        -------
+        PoseMoments
+            Of true minus published pose.
+
+        Examples
+        --------
+        A heading that is not known shortens the way on average:
+
+        >>> odometry = Odometry(WheelGeometry(0.5, 0.125), None, slip_variances=(1e-4, 1e-4))
+        >>> odometry, _ = odometry.update(WheelSample(0, rates=(4.0, 4.0)), now_ns=0)
+        >>> f'{odometry.moments_at(2_000_000_000).mean_error.real:.1e} m'
+        '-2.0e-04 m'
+
+        """
+        if self.motion is None:
+            return self.moments
+        return self._moments_after(self._angle_at(self.motion, self._theirs(time_ns)))
 
     def _is_certain(self) -> bool:
-        return self.slip_variances == NO_SLIP and self.covariance == NO_COVARIANCE
+        return self.slip_variances == NO_SLIP and self.moments is CERTAIN
 
-    def _covariance_after(self, angle: WheelPair) -> PoseCovariance:
-        """Return the covariance after the wheels rolled by an angle [rad] from the anchor."""
-        if self._is_certain():
-            return self.covariance
-        heading = self._heading()
+    def _moments_after(self, angle: WheelPair) -> PoseMoments:
+        """Return the moments after the wheels rolled by an angle [rad] from the anchor."""
+        if angle == NOTHING or self._is_certain():
+            return self.moments
         d_left, d_right = travel_from_angles(self.geometry, *angle)
-        added = slip_covariance(
-            self.geometry, heading, float(d_left), float(d_right), *self.slip_variances)
-        return moved_covariance(
-            self.covariance, Pose(0.0, 0.0, heading), Pose(*self._change(*angle)), added)
+        dx, dy, turn = self._change(*angle)
+        slip = slip_on_arc(self.geometry, d_left, d_right, *self.slip_variances)
+        return followed(
+            self.moments, self._heading(), complex(dx, dy),
+            arc_moments(0.5 * (d_left + d_right), turn, slip))
 
     def _check_sane(self, wheels: WheelPair, name: str) -> None:
         if not is_sane(*twist_from_wheel_rates(self.geometry, *wheels)):
@@ -548,7 +579,7 @@ class Odometry(NamedTuple):
         return Odometry(
             self.geometry, self.timeout_ns, self.x.plus(dx), self.y.plus(dy),
             self.theta.plus(turn), self.left.plus(left), self.right.plus(right), motion,
-            self.slip_variances, self._covariance_after(angle), self.max_rate, clock,
+            self.slip_variances, self._moments_after(angle), self.max_rate, clock,
             self.measured, self.unmeasured)
 
     def _change(self, left: float, right: float) -> Tuple[float, float, float]:

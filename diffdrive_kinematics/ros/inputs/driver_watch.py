@@ -89,6 +89,7 @@ class DriverWatch:
 
     def __init__(self, node: Any, topic: str) -> None:
         self._node, self._topic = node, node.resolve_topic_name(topic)
+        self._gear_ratio = node.config.values['gear_ratio']  # m/s are those of the wheel
         self._clock = ''
         self._disagreement: Optional[Contradiction] = None
         self._velocity = ''
@@ -114,7 +115,7 @@ class DriverWatch:
                 f"velocities on '{self._topic}' agree with the positions, and are used")
             return
         self._velocity = velocity_text(
-            disagreement, odometry.geometry.left_radius, self._topic)
+            disagreement, odometry.geometry.left_radius / self._gear_ratio, self._topic)
         if new:
             self._node.get_logger().warning(self._velocity)
 

@@ -16,8 +16,9 @@ A differential-drive robot as URDF: a box on wheels that turn, from the geometry
 
 The base link is on the ground between the wheels, where odometry has it (REP-103: x forward, y
 left, z up).  A wheel's joint has the radius as its height and y as its axis, so that a positive
-angle rolls forward; an inverted joint has the opposite axis, as it tells the opposite angle.  The
-shapes are for looking at; there are no masses.
+angle rolls forward; an inverted joint has the opposite axis, as it tells the opposite angle.
+Behind a gear the joint is that of the motor, and the joint of the wheel, with ``_wheel`` behind
+the name, mimics it by the gear ratio.  The shapes are for looking at; there are no masses.
 """
 
 from typing import List, NamedTuple, Tuple
@@ -41,10 +42,11 @@ class Shape(NamedTuple):
 
 
 class Wheel(NamedTuple):
-    """Joint of a wheel and whether it is inverted, its link, centre [m] and radius [m]."""
+    """Joint of a wheel, whether it is inverted, its gear, link, centre [m] and radius [m]."""
 
     joint: str
     inverted: bool
+    gear_ratio: float
     link: str
     centre: Tuple[float, float, float]
     radius: float
@@ -83,7 +85,7 @@ def urdf_of(
             (geometry.left_radius, geometry.right_radius)):
         for joint, x in zip(names, _spread(len(names), shape.wheel_base)):
             link = f"{prefix}{joint.rpartition('/')[2]}_link"
-            wheel = Wheel(joint, inverted, link, (x, y, radius), radius)
+            wheel = Wheel(joint, inverted, joints.gear_ratio, link, (x, y, radius), radius)
             _add_wheel(robot, base, wheel, shape.wheel_width)
     ElementTree.indent(robot)
     return ElementTree.tostring(robot, encoding='unicode', xml_declaration=False) + '\n'
@@ -110,16 +112,31 @@ def _add_body(link: ElementTree.Element, geometry: WheelGeometry, shape: Shape) 
 
 def _add_wheel(
         robot: ElementTree.Element, base: str, wheel: Wheel, width: float) -> None:
-    joint = ElementTree.SubElement(robot, 'joint', name=wheel.joint, type='continuous')
-    ElementTree.SubElement(joint, 'parent', link=base)
-    ElementTree.SubElement(joint, 'child', link=wheel.link)
-    ElementTree.SubElement(joint, 'origin', xyz=_numbers(*wheel.centre), rpy='0 0 0')
-    ElementTree.SubElement(joint, 'axis', xyz='0 -1 0' if wheel.inverted else '0 1 0')
+    if wheel.gear_ratio == 1.0:
+        _add_joint(robot, base, wheel, wheel.joint, wheel.link)
+    else:
+        motor = f'{wheel.link}_motor'
+        _add_joint(robot, base, wheel, wheel.joint, motor)
+        ElementTree.SubElement(robot, 'link', name=motor)
+        joint = _add_joint(robot, base, wheel, f'{wheel.joint}_wheel', wheel.link)
+        ElementTree.SubElement(
+            joint, 'mimic', joint=wheel.joint, multiplier=_numbers(1.0 / wheel.gear_ratio))
     link = ElementTree.SubElement(robot, 'link', name=wheel.link)
     _add_visual(link, 'tyre', TYRE, '0 0 0', UPRIGHT, 'cylinder',
                 radius=_numbers(wheel.radius), length=_numbers(width))
     _add_visual(link, 'spoke', SPOKE, '0 0 0', '0 0 0', 'box', size=_numbers(
         1.8 * wheel.radius, 1.1 * width, 0.2 * wheel.radius))
+
+
+def _add_joint(
+        robot: ElementTree.Element, base: str, wheel: Wheel, name: str, link: str
+) -> ElementTree.Element:
+    joint = ElementTree.SubElement(robot, 'joint', name=name, type='continuous')
+    ElementTree.SubElement(joint, 'parent', link=base)
+    ElementTree.SubElement(joint, 'child', link=link)
+    ElementTree.SubElement(joint, 'origin', xyz=_numbers(*wheel.centre), rpy='0 0 0')
+    ElementTree.SubElement(joint, 'axis', xyz='0 -1 0' if wheel.inverted else '0 1 0')
+    return joint
 
 
 def _add_visual(

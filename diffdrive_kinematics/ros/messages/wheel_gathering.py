@@ -45,7 +45,7 @@ class Gathering:
     joints : WheelJoints
         Of the robot; they are numbered, those of the left side first.
     period : float
-        Range of the encoders [rad]; 0: they do not wrap.
+        Range of the encoders [rad of the wheel]; 0: they do not wrap.
 
     """
 

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The wheel joints of a robot as messages know them: names, sides, and which way they turn."""
+"""The wheel joints of a robot as messages know them: names, sides, directions, and the gear."""
 
 from dataclasses import dataclass
 from typing import Any, Mapping, Tuple
@@ -27,24 +27,31 @@ Names = Tuple[str, ...]
 @dataclass(frozen=True)
 class WheelJoints:
     """
-    Joints of the (left, right) wheels, and whether they are inverted.
+    Joints of the (left, right) wheels, whether they are inverted, and turns of them a wheel turn.
 
     An inverted joint turns backward where the wheel rolls forward, as a motor that is mounted as
-    the mirror image of the other does.  In messages it has the sign of the joint.
+    the mirror image of the other does.  Messages have the motion of the joints; everything else
+    has that of the wheels: readings are divided by the gear ratio, what is written is multiplied.
     """
 
     names: Tuple[Names, Names]
     inverted: Tuple[bool, bool] = (False, False)
+    gear_ratio: float = 1.0
 
     def all_names(self) -> Names:
         """Return the names of all joints, those of the left side first."""
         return self.names[0] + self.names[1]
 
     def signed(self, pair: WheelPair) -> WheelPair:
-        """Return what joints say of wheels, or wheels of joints; zero has no sign."""
+        """Return a pair with the signs of joints for wheels, or back; zero has no sign."""
         left, right = pair
         left_inverted, right_inverted = self.inverted
         return 0.0 - left if left_inverted else left, 0.0 - right if right_inverted else right
+
+    def motion(self, pair: WheelPair) -> WheelPair:
+        """Return the motion of joints, of an angle or a rate of the wheels."""
+        left, right = self.signed(pair)
+        return self.gear_ratio * left, self.gear_ratio * right
 
     def spread(self, pair: WheelPair) -> 'list[float]':
         """Return a value of each side as one of each joint."""
@@ -56,4 +63,4 @@ def wheel_joints(values: Mapping[str, Any]) -> WheelJoints:
     """Return the joints of a node's parameter values."""
     return WheelJoints(
         (tuple(values['left_wheel_names']), tuple(values['right_wheel_names'])),
-        (values['left_wheel_inverted'], values['right_wheel_inverted']))
+        (values['left_wheel_inverted'], values['right_wheel_inverted']), values['gear_ratio'])

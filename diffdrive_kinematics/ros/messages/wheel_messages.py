@@ -40,7 +40,7 @@ class WheelReader:
     that carry only some of the joints are put together (see ``Gathering``).
     ``header.frame_id``, which has no other meaning in a JointState, tells one run of a publisher
     of this package from another.  Positions that wrap around with the range of the encoders
-    [rad] are followed, each joint by itself; range 0: they do not wrap.
+    [rad of the joint] are followed, each joint by itself; range 0: they do not wrap.
     """
 
     def __init__(
@@ -49,7 +49,7 @@ class WheelReader:
         self._joints = joints
         self._with_positions = positions
         self._plain = len(joints.all_names()) == 2 and not encoder_range
-        self.gathering = Gathering(joints, encoder_range)
+        self.gathering = Gathering(joints, encoder_range / joints.gear_ratio)
         self._names: Sequence[str] = ()
         self.partial: Sequence[str] = ()  # the names of the last message with only some of ours
         self._indices: Tuple[int, ...] = ()
@@ -143,17 +143,18 @@ class WheelReader:
     def _values(
             self, field: str, values: Sequence[float],
             indices: Tuple[int, ...]) -> Optional[Tuple[float, ...]]:
-        """Return the values of our joints, in their order; zero has no sign."""
+        """Return what our joints say of the wheels, in their order; zero has no sign."""
         if not values:
             return None
         if len(values) != len(self._names):
             raise ValueError(
                 f'{field} has {len(values)} values, expected {len(self._names)}, one for '
                 'each name')
+        gear = self._joints.gear_ratio
         if len(indices) == 2:
             left, right = indices
-            return 0.0 + values[left], 0.0 + values[right]
-        return tuple(values[index] for index in indices)
+            return 0.0 + values[left] / gear, 0.0 + values[right] / gear
+        return tuple(values[index] / gear for index in indices)
 
 
 def _is_nan(left: float, right: float) -> bool:
@@ -180,13 +181,13 @@ class WheelWriter:
         """Return the message with a stamp, rates [rad/s] and positions [rad]; None: absent."""
         joints, angles = self._joints, None
         if positions is not None:
-            angles = joints.signed(positions)
+            angles = joints.motion(positions)
             if self._reads:
                 angles = self._encoder.reading(angles[0]), self._encoder.reading(angles[1])
         return self._codec.encode(JointValues(
             self._source, self._names, stamp_ns // NANOSECONDS, stamp_ns % NANOSECONDS,
             () if angles is None else joints.spread(angles),
-            () if rates is None else joints.spread(joints.signed(rates))))
+            () if rates is None else joints.spread(joints.motion(rates))))
 
 
 class WheelCommandWriter:
@@ -198,4 +199,4 @@ class WheelCommandWriter:
 
     def encode(self, rates: WheelPair) -> Union[bytes, Float64MultiArray]:
         """Return the message with rates [rad/s]."""
-        return self._codec.encode(self._joints.spread(self._joints.signed(rates)))
+        return self._codec.encode(self._joints.spread(self._joints.motion(rates)))

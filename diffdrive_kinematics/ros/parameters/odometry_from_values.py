@@ -19,7 +19,7 @@ from typing import Any, Mapping, Optional, Tuple
 
 from diffdrive_kinematics.core.kinematics import Pose, WheelGeometry
 from diffdrive_kinematics.core.noise import (
-    heading_covariance, NO_COVARIANCE, PoseCovariance, sample_heading)
+    CERTAIN, heading_moments, PoseMoments, sample_heading)
 from diffdrive_kinematics.core.odometry import MeasuredWheels, Odometry, RateWindow, WheelPair
 import numpy as np
 
@@ -32,24 +32,23 @@ def encoder_bound(values: Mapping[str, Any]) -> float:
     return math.inf if math.isnan(bound) else bound
 
 
-def initial_pose(values: Mapping[str, Any]) -> Tuple[Pose, PoseCovariance]:
-    """Return the pose to start from and its covariance: a heading that is drawn is certain."""
+def initial_pose(values: Mapping[str, Any]) -> Tuple[Pose, PoseMoments]:
+    """Return the pose to start from and its moments: a heading that is drawn is certain."""
     pose = Pose(*values['initial_pose'])
     concentration, seed = values['initial_heading_concentration'], values['initial_heading_seed']
     if seed < 0 or math.isnan(concentration):
-        return pose, heading_covariance(concentration)
+        return pose, heading_moments(concentration)
     generator = np.random.default_rng(seed)
-    return pose._replace(theta=sample_heading(pose.theta, concentration, generator)), NO_COVARIANCE
+    return pose._replace(theta=sample_heading(pose.theta, concentration, generator)), CERTAIN
 
 
 def initial_odometry(
         values: Mapping[str, Any], geometry: WheelGeometry, timeout_ns: Optional[int],
         slip_variances: WheelPair) -> Odometry:
     """Return the odometry that has heard nothing yet."""
-    pose, covariance = initial_pose(values)
+    pose, moments = initial_pose(values)
     return Odometry.starting_at(
-        pose, geometry=geometry, timeout_ns=timeout_ns, slip_variances=slip_variances,
-        covariance=covariance)._replace(
-            max_rate=encoder_bound(values), unmeasured=MeasuredWheels(
+        pose, geometry=geometry, timeout_ns=timeout_ns, slip_variances=slip_variances)._replace(
+            moments=moments, max_rate=encoder_bound(values), unmeasured=MeasuredWheels(
                 values['extrapolate_positions'],
                 RateWindow(values['velocity_rolling_window_size'])))

@@ -26,12 +26,12 @@ from rclpy.validate_topic_name import validate_topic_name
 
 __all__ = [
     'Check', 'ParameterSpec', 'Kind', 'check_bias', 'check_concentration', 'check_count',
-    'check_description', 'check_diagonal', 'check_frame', 'check_horizon', 'check_joint_names',
-    'check_named', 'check_offset', 'check_one_of', 'check_optional_picture',
+    'check_description', 'check_diagonal', 'check_frame', 'check_gear_ratio', 'check_horizon',
+    'check_joint_names', 'check_named', 'check_offset', 'check_one_of', 'check_optional_picture',
     'check_optional_seed', 'check_optional_topic', 'check_picture', 'check_port', 'check_pose',
-    'check_positive_or_nan', 'check_prefix', 'check_range', 'check_rate_or_off', 'check_recording',
-    'check_resolution', 'check_seed', 'check_stages', 'check_step', 'check_topic',
-    'check_wheel_base', 'check_width', 'check_window', 'string', 'topic']
+    'check_positive_or_nan', 'check_prefix', 'check_radius_multiplier', 'check_range',
+    'check_rate_or_off', 'check_recording', 'check_resolution', 'check_seed', 'check_stages',
+    'check_step', 'check_topic', 'check_wheel_base', 'check_window', 'string', 'topic']
 
 Check = Callable[[str, Any], Any]
 MOST, MOST_STAGES, MOST_IN_WINDOW = 100_000, 25, 1000
@@ -151,11 +151,6 @@ def check_description(name: str, value: str) -> None:
         raise ValueError(f'{name} is {value!r}, expected the name of a .urdf or .yaml file')
 
 
-def check_width(name: str, value: float) -> None:
-    if not math.isnan(value):
-        check_positive(name, value)
-
-
 def check_wheel_base(name: str, value: float) -> None:
     if not math.isnan(value):
         check_non_negative(name, value)
@@ -169,6 +164,20 @@ def check_resolution(name: str, value: float) -> None:
 def check_range(name: str, value: float) -> None:
     if value and not 1e-6 <= value <= 1e12:
         raise ValueError(f'{name} is {value!r}, expected 0, or a range from 1e-6 to 1e12 rad')
+
+
+def check_radius_multiplier(name: str, value: float) -> None:
+    if value < 0.0:
+        raise ValueError(f'{name} is {value!r}, expected a finite number above 0; for motors that '
+                         'turn the other way there are left_wheel_inverted, right_wheel_inverted')
+    check_positive(name, value)
+
+
+def check_gear_ratio(name: str, value: float) -> None:
+    if not 1e-3 <= value <= 1e6:
+        raise ValueError(
+            f'{name} is {value!r}, expected turns of the motor a turn of the wheel, from 1e-3 to '
+            '1e6; where it turns the other way there is left_wheel_inverted')
 
 
 def check_pose(name: str, value: Tuple[float, ...]) -> None:

@@ -22,29 +22,33 @@ run time is judged first, without side effects, and applied only after it was ac
 
 from dataclasses import dataclass
 from typing import (
-    Any, Callable, Collection, Dict, Generic, Iterable, Mapping, Optional, Sequence, Tuple,
+    Any, Callable, Collection, Dict, Generic, Iterable, List, Mapping, Optional, Sequence, Tuple,
     TypeVar)
 
-from diffdrive_kinematics.ros.parameters import tables
 from diffdrive_kinematics.ros.parameters.configuration_error import ConfigurationError
+from diffdrive_kinematics.ros.parameters.descriptors import descriptor_of
 from diffdrive_kinematics.ros.parameters.parameter_spec import Kind, ParameterSpec
-from diffdrive_kinematics.ros.parameters.qos import PREFIX as QOS_PREFIX
-from diffdrive_kinematics.ros.parameters.sections import doubts, params_files, sections_of
-from rcl_interfaces.msg import ParameterDescriptor, SetParametersResult
+from diffdrive_kinematics.ros.parameters.sections import (
+    doubts, misplaced, params_files, sections_of)
+from diffdrive_kinematics.ros.parameters.unknown_names import aliased, report_unknown
+from rcl_interfaces.msg import SetParametersResult
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
 __all__ = ['ConfigurationError', 'ParameterSet', 'coerce']
 
 Config = TypeVar('Config')
-BUILT_IN = ('use_sim_time', 'start_type_description_service')
+NOT_FINITE = ('nan', '.nan', 'inf', '.inf', '-inf', '-.inf')
+TYPES = {Kind.DOUBLE: Parameter.Type.DOUBLE, Kind.DOUBLES: Parameter.Type.DOUBLE_ARRAY,
+         Kind.STRINGS: Parameter.Type.STRING_ARRAY}
 
 
 def coerce(entry: ParameterSpec, value: Any) -> Any:
     """
     Return the value of a parameter in the type of its table entry.
 
-    Integers are accepted for doubles, since YAML's ``1`` is an integer.
+    Integers are accepted for doubles, since YAML's ``1`` is an integer; so are the strings nan,
+    .nan, inf and the like, which ``ros2 param load`` makes of what ``ros2 param dump`` writes.
 
     Raises
     ------
@@ -69,19 +73,25 @@ def _as_kind(kind: Kind, value: Any) -> Any:
     if kind is Kind.INTEGER:
         return value if isinstance(value, int) and not isinstance(value, bool) else None
     if kind is Kind.DOUBLE:
-        return float(value) if _is_number(value) else None
+        return _number(value) if _is_number(value) else None
     if kind is Kind.STRING:
         return value if isinstance(value, str) else None
     if isinstance(value, (str, bytes)) or not isinstance(value, Iterable):
         return None
     items = tuple(value)
     if kind is Kind.DOUBLES:
-        return tuple(map(float, items)) if all(map(_is_number, items)) else None
+        return tuple(map(_number, items)) if all(map(_is_number, items)) else None
     return items if all(isinstance(item, str) for item in items) else None
 
 
 def _is_number(value: Any) -> bool:
+    if isinstance(value, str):
+        return value.lower() in NOT_FINITE
     return isinstance(value, (int, float)) and not isinstance(value, bool)
+
+
+def _number(value: Any) -> float:
+    return float(value.replace('.', '') if isinstance(value, str) else value)
 
 
 @dataclass(frozen=True)
@@ -124,11 +134,12 @@ class ParameterSet(Generic[Config]):
         self._table = {entry.name: entry for entry in table}
         self._build = build
         self._on_change: Optional[Callable[[Config], None]] = None
+        report_unknown(node, given, self._table)
         self._report_doubts(given, neighbours, argv)
-        self._judged = self._judge_start()
+        self._judged = self._judge_start(given)
+        node.add_pre_set_parameters_callback(self._in_their_types)
         node.add_on_set_parameters_callback(self._judge_change)
         node.add_post_set_parameters_callback(self._apply_change)
-        self._report_unknown(given)
 
     @property
     def config(self) -> Config:
@@ -144,16 +155,12 @@ class ParameterSet(Generic[Config]):
         """Call ``apply`` with the new configuration after each accepted change."""
         self._on_change = apply
 
-    def _judge_start(self) -> '_Judged[Config]':
+    def _judge_start(self, given: Mapping[str, Parameter]) -> '_Judged[Config]':
         values: Dict[str, Any] = {}
         problems = []
+        older = aliased(given, self._table)
         for entry in self._table.values():
-            if self._node.has_parameter(entry.name):  # rclpy declared it, and knows no table
-                self._node.undeclare_parameter(entry.name)
-            raw = self._node.declare_parameter(
-                entry.name, entry.default, ParameterDescriptor(
-                    description=entry.description, dynamic_typing=True,
-                    read_only=entry.read_only)).value
+            raw = self._declared(entry, given.get(older.get(entry.name, entry.name)))
             if entry.required and raw != raw:  # the default of what must be set is NaN
                 problems.append(f'{entry.name} is not set, expected {entry.description}')
                 continue
@@ -170,6 +177,28 @@ class ParameterSet(Generic[Config]):
             f"{self._node.get_fully_qualified_name()} refuses to start: {'; '.join(problems)}. "
             'Set parameters in a params file (--ros-args --params-file FILE) or one by one '
             '(--ros-args -p NAME:=VALUE)')
+
+    def _declared(self, entry: ParameterSpec, given: Optional[Parameter]) -> Any:
+        """Declare a parameter with what was set for it, and return that."""
+        parameter = given and self._in_its_type(entry, given)
+        if self._node.has_parameter(entry.name):  # rclpy declared it, and knows no table
+            self._node.undeclare_parameter(entry.name)
+        return self._node.declare_parameter(
+            entry.name, parameter.value if parameter else entry.default, descriptor_of(entry),
+            ignore_override=True).value
+
+    def _in_their_types(self, changes: List[Parameter]) -> List[Parameter]:
+        """Return changes with numbers in the types of the table; others are judged later."""
+        return [self._in_its_type(self._table[change.name], change)
+                if change.name in self._table else change for change in changes]
+
+    @staticmethod
+    def _in_its_type(entry: ParameterSpec, parameter: Parameter) -> Parameter:
+        """Return a parameter as one of its table's type; as it is where that cannot be."""
+        if entry.kind not in TYPES or (accepted := _as_kind(entry.kind, parameter.value)) is None:
+            return parameter
+        return Parameter(entry.name, TYPES[entry.kind], (
+            accepted if entry.kind is Kind.DOUBLE else list(accepted)))
 
     def _judge(self, changes: Iterable[Parameter]) -> '_Judged[Config]':
         values = dict(self._judged.values)
@@ -205,26 +234,8 @@ class ParameterSet(Generic[Config]):
     def _report_doubts(
             self, given: Mapping[str, Parameter], neighbours: Collection[str],
             argv: Sequence[str]) -> None:
-        """Report sections of params files that were probably meant for this node."""
-        for doubt in doubts(
-                sections_of(params_files(argv)), self._node.get_fully_qualified_name(),
-                tuple(self._table.values()), given, neighbours):
-            self._node.get_logger().warning(doubt)
-
-    def _report_unknown(self, given: Mapping[str, Parameter]) -> None:
-        """Report overrides that this node ignores: typos, and what only a peer knows."""
-        logger = self._node.get_logger()
-        for name in given:
-            if name in self._table or name in BUILT_IN or name in tables.KNOWN_NAMES:
-                continue
-            if name.startswith(QOS_PREFIX):
-                continue
-            if tables.only_in_ros2_controllers(name):
-                logger.info(
-                    f"parameter '{name}' of ros2_controllers means nothing here, ignored")
-                continue
-            import difflib  # for the typo only: it takes milliseconds of every start
-            near = difflib.get_close_matches(name, sorted(tables.KNOWN_NAMES), n=1)
-            hint = f", did you mean '{near[0]}'?" if near else ''
-            logger.warning(
-                f"parameter '{name}' is ignored: no node of this package knows it{hint}")
+        """Report sections, and names in them, that were probably meant for another node."""
+        sections, node = sections_of(params_files(argv)), self._node.get_fully_qualified_name()
+        for text in (*doubts(sections, node, tuple(self._table.values()), given, neighbours),
+                     *misplaced(sections, node, self._table)):
+            self._node.get_logger().warning(text)

@@ -25,9 +25,9 @@ from typing import (
     AbstractSet, Any, Collection, Iterator, List, Mapping, NamedTuple, Sequence, Set, Tuple)
 
 from diffdrive_kinematics.ros.parameters.parameter_spec import ParameterSpec
-from diffdrive_kinematics.ros.parameters.tables import TABLES
+from diffdrive_kinematics.ros.parameters.tables import KNOWN_NAMES, TABLES
 
-__all__ = ['Section', 'doubts', 'matches', 'params_files', 'sections_of']
+__all__ = ['Section', 'doubts', 'matches', 'misplaced', 'params_files', 'sections_of']
 
 PARAMETERS = 'ros__parameters'
 ALIKE = 0.9  # of difflib: one letter of ten
@@ -144,6 +144,30 @@ def doubts(
             executable = f', or the executable {other}' if other in kin else ''
             yield (f"section '{section.key}' of {section.file} is for no node of this process, "
                    f"but {node} {reason}: was '/**/{name}' meant{executable}?")
+
+
+def misplaced(
+        sections: Sequence[Section], node: str, known: Collection[str]) -> Iterator[str]:
+    """
+    Yield a warning for each section of a node that sets what only other nodes know.
+
+    Parameters
+    ----------
+    sections : sequence of Section
+        Of all params files.
+    node : str
+        Full name of the node.
+    known : collection of str
+        Names of the parameters that it knows.
+
+    """
+    for section in sections:
+        names = sorted((section.names & KNOWN_NAMES) - set(known))
+        if names and section.node and matches(section.key, node):
+            owners = sorted(kind for kind, table in TABLES.items()
+                            if set(names) & {entry.name for entry in table})
+            yield (f"section '{section.key}' of {section.file} sets {', '.join(names)}, which "
+                   f"{node} does not know but {', '.join(owners)}: put it under '/**'")
 
 
 def _kin(table: Sequence[ParameterSpec]) -> Set[str]:

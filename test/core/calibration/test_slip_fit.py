@@ -101,6 +101,7 @@ def assert_standard_normal(estimates, truth):
     assert abs(np.var(z, ddof=1) - 1.0) < 1.2 * Z * math.sqrt(2.0 / (len(z) - 1))
 
 
+@pytest.mark.slow
 def test_one_k_and_the_noise_of_the_reference_are_recovered_within_their_errors():
     fits = [fit_slip(drive) for drive in simulated(K_LEFT, K_LEFT, NOISE, 1)]
     assert all(fit.k_left == fit.k_right for fit in fits)
@@ -109,6 +110,7 @@ def test_one_k_and_the_noise_of_the_reference_are_recovered_within_their_errors(
     assert_standard_normal([fit.sigma_heading for fit in fits], NOISE.sigma_heading)
 
 
+@pytest.mark.slow
 def test_a_k_for_each_wheel_is_recovered_within_its_error():
     fits = [fit_slip(drive, equal=False) for drive in simulated(6e-6, K_RIGHT, NOISE, 2)]
     assert_standard_normal([fit.k_left for fit in fits], 6e-6)
@@ -116,6 +118,7 @@ def test_a_k_for_each_wheel_is_recovered_within_its_error():
     assert np.mean([fit.k_left.value > fit.k_right.value for fit in fits]) > 0.9
 
 
+@pytest.mark.slow
 def test_a_known_noise_of_the_reference_is_not_fitted_and_makes_k_more_certain():
     drives = simulated(K_LEFT, K_RIGHT, NOISE, 3)
     fits = [fit_slip(drive, equal=False, noise=NOISE) for drive in drives]

@@ -287,6 +287,7 @@ def test_bad_requests_are_refused():
             Windows(**bad)
 
 
+@pytest.mark.slow
 def test_slip_after_the_calibration_is_that_which_was_put_in():
     drives = [drive(n, disturbance=Disturbance(2e-3, 1e-3, 3e-3)) for n in range(4)]
     fit = fit_trajectory(GEOMETRY, drives)

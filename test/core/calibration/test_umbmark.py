@@ -298,6 +298,7 @@ def test_standard_errors_cover_small_errors_as_student_says(clockwise, countercl
         assert_student(column, clockwise + counterclockwise - 2)
 
 
+@pytest.mark.slow
 def test_standard_errors_cover_what_is_left_after_a_first_pass_of_large_errors():
     true = robot(NOMINAL, 1.01, 1.02)
     z = []

@@ -90,6 +90,7 @@ def assert_the_short_way_round(way, start):
     assert np.abs(turned).sum() - abs(turned.sum()) < 0.3, start
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('name', LAWS)
 def test_each_law_reaches_the_goal_from_a_thousand_starts_within_a_robots_limits(name):
     law = LAWS[name]
@@ -172,6 +173,7 @@ def test_limits_keep_the_curvature(pose, max_speed, max_yaw_rate):
     assert twist.v * free.w == pytest.approx(twist.w * free.v, abs=1e-9)
 
 
+@pytest.mark.slow
 def test_paths_are_followed_from_a_thousand_starts_within_a_robots_limits():
     law = PurePursuit(lookahead=0.2, limits=LIMITS)
     generator = np.random.default_rng(4)

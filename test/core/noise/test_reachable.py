@@ -24,6 +24,7 @@ from diffdrive_kinematics.core.noise import (
     Stage, stage_from_slip, WheelSlip)
 import numpy as np
 import pytest
+from support.marks import rest_slow
 
 L = 0.0885
 GEOMETRY = WheelGeometry(L, 0.02)
@@ -156,11 +157,11 @@ def test_no_sample_that_propagate_draws_is_outside(course, distribution):
     assert excess(polygon, poses.x + 1j * poses.y) < 1e-6
 
 
-@pytest.mark.parametrize(('course', 'number', 'lateral'), [
-    ('straight', 1, False), ('straight', 2, False), ('straight', 1, True), ('arc', 1, False),
+@pytest.mark.parametrize(('course', 'number', 'lateral'), rest_slow([
+    ('arc', 1, False), ('straight', 1, False), ('straight', 2, False), ('straight', 1, True),
     ('arc', 2, False), ('arc', 1, True), ('long_turn', 1, False), ('long_turn', 2, False),
     ('in_place', 2, False), ('in_place', 1, True), ('u_turn', 2, False), ('reverse', 2, False),
-    ('arc', 2, True), ('straight', 3, False), ('long_turn', 3, False)])
+    ('arc', 2, True), ('straight', 3, False), ('long_turn', 3, False)]))
 def test_the_area_is_that_of_the_image_of_the_box_within_2_percent(course, number, lateral):
     stages = stages_of(course, number, lateral=lateral)
     bounds = number * (3 if lateral else 2)
@@ -279,7 +280,7 @@ def test_pivots_and_other_stages_follow_each_other_in_any_order(rest):
     assert np.ptp(polygon.imag) < 1.02 * np.ptp(reached.imag)
 
 
-@pytest.mark.parametrize('number', [4, 25])
+@pytest.mark.parametrize('number', rest_slow([4, 25]))
 def test_a_wheel_at_rest_costs_no_more_than_an_arc(number):
     """Compare processor time, side by side: it took thirteen times that of an arc, and more."""
     def cost(course):

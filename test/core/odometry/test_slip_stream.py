@@ -24,6 +24,7 @@ from diffdrive_kinematics.core.odometry import Odometry, SlipStream, Verdict, Wh
 from hypothesis import given, settings, strategies as st
 import numpy as np
 import pytest
+from support.marks import rest_slow
 
 LAW = settings(deadline=None, derandomize=True)
 MS = 1_000_000
@@ -80,7 +81,7 @@ def test_another_seed_gives_another_slip():
     assert passed(NOISY, samples, 1)[1] != passed(NOISY, samples, 2)[1]
 
 
-@pytest.mark.parametrize(('rate', 'seconds'), [(20, 1000), (100, 500)])
+@pytest.mark.parametrize(('rate', 'seconds'), rest_slow([(20, 1000), (100, 500)]))
 def test_travel_has_the_mean_and_variance_of_the_law_at_any_message_rate(rate, seconds):
     """Compare the travel of each second, with 99.9 % intervals."""
     period = S // rate

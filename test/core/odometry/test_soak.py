@@ -23,6 +23,7 @@ import math
 
 from diffdrive_kinematics.core.kinematics import Pose, RunningSum
 from diffdrive_kinematics.core.odometry import Odometry
+import pytest
 from support.long_drive import Course, PERIOD_NS
 
 ROLLED = 30 * 3600 * 0.4 / 0.021  # [rad]
@@ -30,6 +31,7 @@ TURNED = 30 * 3600 * 0.2  # [rad]
 LAPS = 100
 
 
+@pytest.mark.slow
 def test_the_last_minutes_of_a_drive_of_30_hours_are_as_exact_as_the_first():
     course = Course()
     start = Odometry.starting_at(

@@ -102,6 +102,7 @@ def test_a_topic_stops_it_at_once_whatever_its_quality_of_service_and_lets_it_go
     assert first == pytest.approx(0.5 / 50.0, rel=1e-9)  # the ramp begins at rest
 
 
+@pytest.mark.quick
 def test_a_stop_that_was_latched_before_the_controller_started_holds(graph):
     graph.node.create_publisher(Bool, 'stop', LATCHED).publish(Bool(data=True))
     robot = Robot(graph)

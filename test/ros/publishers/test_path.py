@@ -41,6 +41,7 @@ def spots(path):
     return [(pose.pose.position.x, pose.pose.position.y) for pose in path.poses]
 
 
+@pytest.mark.quick
 def test_the_path_has_published_poses_that_are_far_enough_apart(graph):
     graph.start('simulated_base', {
         **SETTINGS, 'path_spacing': 0.03, 'initial_pose': [1.0, 2.0, math.pi / 2]})

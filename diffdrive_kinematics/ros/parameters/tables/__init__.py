@@ -32,7 +32,7 @@ __all__ = [
     'CALIBRATE', 'COMMAND_SEQUENCE', 'DIFFDRIVE_SIM', 'DIFF_DRIVE_CONTROLLER',
     'FORWARD_PROJECTION', 'GOAL_STEERING', 'KNOWN_NAMES', 'LIMITS', 'MODELS', 'PLOT_PATHS',
     'ROBOT_DESCRIPTION', 'SIMULATED_BASE', 'SWITCHES', 'TABLES', 'WEB_VIEW', 'WHEEL_NOISE',
-    'WHEEL_ODOMETRY', 'only_in_ros2_controllers']
+    'WHEEL_ODOMETRY']
 
 TABLES = {
     'diff_drive_controller': DIFF_DRIVE_CONTROLLER, 'wheel_noise': WHEEL_NOISE,
@@ -42,12 +42,3 @@ TABLES = {
     'robot_description': ROBOT_DESCRIPTION, 'web_view': WEB_VIEW,
     'diffdrive_sim': DIFFDRIVE_SIM}
 KNOWN_NAMES = frozenset(entry.name for table in TABLES.values() for entry in table)
-
-_ROS2_CONTROLLERS = frozenset((
-    'type', 'wheels_per_side', 'open_loop', 'use_stamped_vel', 'update_rate', 'is_async',
-    'publish_wheel_data'))
-
-
-def only_in_ros2_controllers(name: str) -> bool:
-    """Return whether ros2_controllers' diff_drive_controller knows a name and we do not."""
-    return name in _ROS2_CONTROLLERS and name not in KNOWN_NAMES

@@ -19,8 +19,9 @@ import math
 from diffdrive_kinematics.core.kinematics import check_non_negative, check_positive
 from diffdrive_kinematics.core.noise import check_distribution, DISTRIBUTIONS
 from diffdrive_kinematics.ros.parameters.parameter_spec import (
-    check_bias, check_concentration, check_joint_names, check_one_of,
-    check_pose, check_range, check_rate_or_off, Kind, ParameterSpec as Spec)
+    check_bias, check_concentration, check_gear_ratio, check_joint_names, check_one_of,
+    check_pose, check_radius_multiplier, check_range, check_rate_or_off, Kind,
+    ParameterSpec as Spec)
 
 DIAGNOSTICS = Spec(
     'diagnostics_rate', 1.0, 'rate [Hz] of the status on /diagnostics; 0: off',
@@ -38,6 +39,10 @@ JOINTS = (
          'the wheels roll forward, as a mirrored motor does; rates and positions have their sign '
          'in every message', Kind.BOOL, read_only=True),
     Spec('right_wheel_inverted', False, 'the same for the right wheels', Kind.BOOL,
+         read_only=True),
+    Spec('gear_ratio', 1.0, 'turns of a joint a turn of its wheel, where the joints are those of '
+         'motors before a gear; rates, positions and encoders in every message are those of the '
+         'joints, all other parameters those of the wheels', check=check_gear_ratio,
          read_only=True))
 ENCODER_RANGE = Spec(
     'encoder_range', 0.0, 'at which positions of the joints wrap around [rad]; what comes in '
@@ -47,9 +52,9 @@ RADII = (
     Spec('wheel_radius', math.nan, 'radius R of the wheels [m], above 0', check=check_positive,
          required=True),
     Spec('left_wheel_radius_multiplier', 1.0, 'effective over nominal radius of the left wheels',
-         check=check_positive),
+         check=check_radius_multiplier),
     Spec('right_wheel_radius_multiplier', 1.0,
-         'effective over nominal radius of the right wheels', check=check_positive))
+         'effective over nominal radius of the right wheels', check=check_radius_multiplier))
 SEPARATION = (
     Spec('wheel_separation', math.nan,
          'distance L between left and right wheels [m], above 0', check=check_positive,

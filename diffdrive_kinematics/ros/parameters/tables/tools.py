@@ -21,8 +21,7 @@ from diffdrive_kinematics.core.kinematics import check_non_negative, check_posit
 from diffdrive_kinematics.ros.parameters.parameter_spec import (
     check_count, check_description, check_frame, check_named, check_one_of,
     check_optional_picture, check_picture, check_positive_or_nan, check_recording, check_seed,
-    check_stages, check_step, check_wheel_base, check_width, Kind, ParameterSpec as Spec,
-    string, topic)
+    check_stages, check_step, check_wheel_base, Kind, ParameterSpec as Spec, string, topic)
 from diffdrive_kinematics.ros.parameters.tables.shared import (
     BIAS, DISTRIBUTION, ENCODER_RANGE, EXECUTOR, GEOMETRY, JOINTS, SEPARATION, SLIP, SQUARE, START)
 
@@ -75,7 +74,7 @@ CALIBRATE = (
          Kind.STRINGS, read_only=True),
     Spec('references', [], 'bags, or CSV files time_sec,x,y,yaw, one for each of recordings; '
          'none: the recordings have the reference too', Kind.STRINGS, read_only=True),
-    Spec('encoder_resolution', 0.0, 'ticks of one turn of a wheel, for files with ticks',
+    Spec('encoder_resolution', 0.0, 'ticks of one turn of a joint, for files with ticks',
          check=check_non_negative, read_only=True),
     Spec('tick_increments', False, 'ticks are those since the row before, not all so far',
          Kind.BOOL, read_only=True),
@@ -113,7 +112,7 @@ ROBOT_DESCRIPTION = (
     Spec('wheel_base', math.nan, 'distance [m] from the first to the last wheel of a side, which '
          'are in order from front to rear; NaN: 2.5 radii a wheel', check=check_wheel_base),
     Spec('wheel_width', math.nan, 'width [m] of the wheels, above 0; NaN: half a radius',
-         check=check_width),
+         check=check_positive_or_nan),
     string('output', '', 'file to write instead: .urdf, or .yaml, a params file for '
            'robot_state_publisher; empty: publish', check_description),
     OVERWRITE,

@@ -57,7 +57,7 @@ SIMULATED_BASE = (
     replace(ENCODER_RANGE, description='at which positions of the joints wrap around [rad]; '
             'joint states out wrap into [-range/2, range/2), and what comes in counts modulo it, '
             'up to half a range a message; 0: they do not wrap'),
-    Spec('encoder_resolution', 0.0, 'ticks a turn of the wheel in the positions of joint states '
+    Spec('encoder_resolution', 0.0, 'ticks a turn of the joint in the positions of joint states '
          'out; 0: ideal', check=check_resolution, read_only=True),
     Spec('max_encoder_rate', 1000.0, 'wheel rate [rad/s], well above what the wheels can do: '
          "a driver's positions that went faster between two messages count anew, as encoders "

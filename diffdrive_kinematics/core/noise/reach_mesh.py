@@ -1,0 +1,200 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The mesh that one stage makes of a reachable set: one slice for each error of the turn."""
+
+import math
+from typing import Tuple
+
+from diffdrive_kinematics.core.kinematics import pose_change_from_travel, sinc, WheelGeometry
+from diffdrive_kinematics.core.noise.stage import Stage
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ['mesh_of', 'slice_of', 'turned_edges']
+
+Array = NDArray[np.float64]
+Points = NDArray[np.complex128]
+Pairs = NDArray[np.int64]
+
+
+def mesh_of(
+        polygon: Points, margin: float, stage: Stage, geometry: WheelGeometry, nodes: Array
+) -> Points:
+    """
+    Return the boundaries of the sums for each half turn.
+
+    Parameters
+    ----------
+    polygon : numpy.ndarray of complex, shape (n,)
+        What can be reached before the stage [m].
+    margin : float
+        By how much every sum is widened [m].
+    stage : Stage
+        Travel and bounds of the stage.
+    geometry : WheelGeometry
+        Distance of the wheels.
+    nodes : numpy.ndarray, shape (s,)
+        Errors of the half turn [rad].
+
+    Returns
+    -------
+    numpy.ndarray of complex, shape (around, s)
+        Points [m], one column a slice.
+
+    Examples
+    --------
+    >>> from diffdrive_kinematics.core.noise.stage import Stage
+    >>> mesh_of(np.zeros(1, complex), 0.1, Stage(1.0, 1.0, 0.0, 0.0, 0.0),
+    ...         WheelGeometry(0.5, 0.125), np.zeros(1)).shape
+    (8, 1)
+
+    """
+    distance, turn = pose_change_from_travel(geometry, stage.d_left, stage.d_right)
+    return np.stack([
+        slice_of(
+            polygon, 0.5 * turn + node, _distances(stage, geometry, distance, node, margin),
+            stage.lateral_bound + margin)
+        for node in nodes], axis=1)
+
+
+def _distances(
+        stage: Stage, geometry: WheelGeometry, distance: float, node: float, margin: float
+) -> Tuple[float, float]:
+    """Return least and largest distance [m] of the centre that go with an error of h [rad]."""
+    across = geometry.separation * node
+    low = max(-stage.left_bound, -stage.right_bound - 2.0 * across) + across
+    high = min(stage.left_bound, stage.right_bound - 2.0 * across) + across
+    middle = 0.5 * (low + high)
+    return distance + min(low, middle) - margin, distance + max(high, middle) + margin
+
+
+def slice_of(
+        polygon: Points, half: float, distances: Tuple[float, float], lateral: float) -> Points:
+    """
+    Return the boundary of the sum of the rotated polygon and the rectangle of one half turn.
+
+    It is the convolution of the two boundaries: each vertex, once for the normal of either of
+    its edges and at most 45 degrees apart in between, goes with the corner of the rectangle that
+    is furthest along the normal.
+
+    Parameters
+    ----------
+    polygon : numpy.ndarray of complex, shape (n,)
+        Counter-clockwise, not closed [m].
+    half : float
+        Half the turn [rad].
+    distances : pair of float
+        Least and largest distance of the centre [m].
+    lateral : float
+        Largest displacement to the side [m].
+
+    Returns
+    -------
+    numpy.ndarray of complex, shape (around,)
+        Points [m].
+
+    Examples
+    --------
+    >>> round(float(slice_of(np.zeros(1, complex), 0.0, (0.9, 1.1), 0.1).real.max()), 9)
+    1.1
+
+    """
+    points, normals = _with_normals(polygon)
+    ratio = float(sinc(half))
+    low, high = sorted((ratio * distances[0], ratio * distances[1]))
+    angle = normals + half
+    corner = (np.where(np.cos(angle) > 0.0, high, low)
+              + 1j * np.where(np.sin(angle) > 0.0, lateral, -lateral))
+    turned = complex(math.cos(half), math.sin(half))
+    return np.asarray(turned * (turned * points + corner))
+
+
+def _with_normals(polygon: Points) -> Tuple[Points, Array]:
+    """Return vertices with directions [rad] of the outward normal, going around once."""
+    if len(polygon) == 1:
+        return np.repeat(polygon, 8), np.linspace(0.0, math.tau, 8, endpoint=False) + 0.1
+    after = np.angle(np.roll(polygon, -1) - polygon) - 0.5 * math.pi
+    before = np.roll(after, 1)
+    bend = np.remainder(after - before + math.pi, math.tau) - math.pi
+    bend[bend < 1e-9 - math.pi] += math.tau  # a tip turns to the left
+    parts = 1 + np.ceil(np.abs(bend) / (0.25 * math.pi)).astype(np.int64)
+    which = np.repeat(np.arange(len(polygon)), parts)
+    rank = np.arange(len(which)) - np.repeat(np.cumsum(parts) - parts, parts)
+    fraction = rank / np.maximum(parts[which] - 1, 1)
+    return polygon[which], before[which] + fraction * bend[which]
+
+
+def turned_edges(mesh: Points) -> Pairs:
+    """
+    Return the edges of a mesh that its outer boundary can follow.
+
+    Those are the edges of the first and of the last slice, and inner ones whose two triangles
+    lie on one side.  The mesh is closed around; points are numbered by rows.
+
+    Parameters
+    ----------
+    mesh : numpy.ndarray of complex, shape (around, slices)
+        Points [m].
+
+    Returns
+    -------
+    numpy.ndarray of int, shape (e, 2)
+        Indices of the ends of the edges.
+
+    Examples
+    --------
+    >>> turned_edges(np.array([[0.0], [1.0], [1.0j]])).tolist()
+    [[0, 1], [1, 2], [2, 0]]
+
+    """
+    numbers = np.arange(mesh.size).reshape(mesh.shape)
+    following = np.roll(numbers, -1, axis=0)
+    rings = np.stack([numbers, following], axis=-1)
+    if mesh.shape[1] == 1:
+        return rings.reshape(-1, 2)
+    lower, upper = _orientations(mesh)
+    return np.concatenate([
+        rings[:, [0, -1]].reshape(-1, 2),
+        rings[:, 1:-1][lower[:, 1:] * upper[:, :-1] <= 0],
+        np.stack([numbers[:, :-1], following[:, 1:]], axis=-1)[lower * upper <= 0],
+        np.stack([numbers[:, :-1], numbers[:, 1:]], axis=-1)[
+            upper * np.roll(lower, 1, axis=0) <= 0]])
+
+
+def _orientations(mesh: Points) -> Tuple[Pairs, Pairs]:
+    """
+    Return the signs of the triangles on either side of the diagonals, lower and upper.
+
+    Lower ones are (k, j), (k+1, j), (k+1, j+1), upper ones (k, j), (k+1, j+1), (k, j+1).  A
+    triangle with an edge of no length takes the sign of the one before in its strip, as the
+    two edges left of it are one.
+    """
+    a, b = mesh[:, :-1], np.roll(mesh, -1, axis=0)[:, :-1]
+    c, d = np.roll(mesh, -1, axis=0)[:, 1:], mesh[:, 1:]
+    tiny = 1e-12 * float(np.max(np.abs(mesh - mesh[0, 0])))
+    strip = np.stack([_sign(a, c, d, tiny), _sign(a, b, c, tiny)], axis=1)
+    flat = strip.reshape(-1, mesh.shape[1] - 1)
+    known = np.where(flat != 2, np.arange(len(flat))[:, None], -1)
+    last = np.maximum.accumulate(known, axis=0)
+    last = np.where(last < 0, last[-1], last)
+    filled = np.where(last < 0, 0, np.take_along_axis(flat, np.maximum(last, 0), axis=0))
+    return filled[1::2], filled[0::2]
+
+
+def _sign(a: Points, b: Points, c: Points, tiny: float) -> Pairs:
+    """Return the orientations of triangles, 2 for one with an edge of no length."""
+    cross = ((b - a) * np.conj(c - a)).imag
+    short = np.minimum(np.minimum(np.abs(b - a), np.abs(c - a)), np.abs(c - b)) <= tiny
+    return np.where(short, 2, -np.sign(cross)).astype(np.int64)
