@@ -95,6 +95,7 @@ setup(
             'plot_paths = diffdrive_kinematics.executables:plot_paths',
             'robot_description = diffdrive_kinematics.executables:robot_description',
             'simulated_base = diffdrive_kinematics.executables:simulated_base',
+            'teleop = diffdrive_kinematics.executables:teleop',
             'web_view = diffdrive_kinematics.executables:web_view',
             'wheel_noise = diffdrive_kinematics.executables:wheel_noise',
             'wheel_odometry = diffdrive_kinematics.executables:wheel_odometry',

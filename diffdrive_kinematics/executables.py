@@ -27,7 +27,7 @@ import sys
 __all__ = [
     'calibrate', 'command_sequence', 'diff_drive_controller', 'diffdrive_sim',
     'forward_projection', 'goal_steering', 'plot_paths', 'robot_description', 'simulated_base',
-    'web_view', 'wheel_noise', 'wheel_odometry']
+    'teleop', 'web_view', 'wheel_noise', 'wheel_odometry']
 
 
 def _start(name: str) -> None:
@@ -83,6 +83,11 @@ def robot_description() -> None:
 def simulated_base() -> None:
     """Run ``simulated_base``."""
     _start('simulated_base')
+
+
+def teleop() -> None:
+    """Run ``teleop``."""
+    _start('teleop')
 
 
 def web_view() -> None:

@@ -25,7 +25,7 @@ import pytest
 PACKAGE_NAME = 'diffdrive_kinematics'
 EXECUTABLES = ('calibrate', 'command_sequence', 'diff_drive_controller', 'diffdrive_sim',
                'forward_projection', 'goal_steering', 'plot_paths', 'robot_description',
-               'simulated_base', 'web_view', 'wheel_noise', 'wheel_odometry')
+               'simulated_base', 'teleop', 'web_view', 'wheel_noise', 'wheel_odometry')
 
 
 def colcon_directory():

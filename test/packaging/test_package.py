@@ -28,7 +28,7 @@ ROOT = Path(__file__).resolve().parents[2]
 PACKAGE = ROOT / 'diffdrive_kinematics'
 EXECUTABLES = {'calibrate', 'command_sequence', 'diff_drive_controller', 'diffdrive_sim',
                'forward_projection', 'goal_steering', 'plot_paths', 'robot_description',
-               'simulated_base', 'web_view', 'wheel_noise', 'wheel_odometry'}
+               'simulated_base', 'teleop', 'web_view', 'wheel_noise', 'wheel_odometry'}
 ROSDEP_KEY = {'numpy': 'python3-numpy', 'yaml': 'python3-yaml'}
 # extras of setup.py, or of ROS; pytest loads its plugin by itself
 OPTIONAL = {'fastapi', 'matplotlib', 'nicegui', 'pytest', 'rosbag2_py', 'rosbags', 'uvicorn'}

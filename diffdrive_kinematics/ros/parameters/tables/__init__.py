@@ -24,21 +24,21 @@ from diffdrive_kinematics.ros.parameters.tables.controller import (
     DIFF_DRIVE_CONTROLLER, LIMITS, SWITCHES)
 from diffdrive_kinematics.ros.parameters.tables.tools import (
     CALIBRATE, DIFFDRIVE_SIM, MODELS, PLOT_PATHS, ROBOT_DESCRIPTION)
-from diffdrive_kinematics.ros.parameters.tables.viewers import WEB_VIEW
+from diffdrive_kinematics.ros.parameters.tables.viewers import TELEOP, WEB_VIEW
 from diffdrive_kinematics.ros.parameters.tables.wheels import (
     FORWARD_PROJECTION, SIMULATED_BASE, WHEEL_NOISE, WHEEL_ODOMETRY)
 
 __all__ = [
     'CALIBRATE', 'COMMAND_SEQUENCE', 'DIFFDRIVE_SIM', 'DIFF_DRIVE_CONTROLLER',
     'FORWARD_PROJECTION', 'GOAL_STEERING', 'KNOWN_NAMES', 'LIMITS', 'MODELS', 'PLOT_PATHS',
-    'ROBOT_DESCRIPTION', 'SIMULATED_BASE', 'SWITCHES', 'TABLES', 'WEB_VIEW', 'WHEEL_NOISE',
-    'WHEEL_ODOMETRY']
+    'ROBOT_DESCRIPTION', 'SIMULATED_BASE', 'SWITCHES', 'TABLES', 'TELEOP', 'WEB_VIEW',
+    'WHEEL_NOISE', 'WHEEL_ODOMETRY']
 
 TABLES = {
     'diff_drive_controller': DIFF_DRIVE_CONTROLLER, 'wheel_noise': WHEEL_NOISE,
     'simulated_base': SIMULATED_BASE, 'wheel_odometry': WHEEL_ODOMETRY,
     'command_sequence': COMMAND_SEQUENCE, 'forward_projection': FORWARD_PROJECTION,
     'goal_steering': GOAL_STEERING, 'plot_paths': PLOT_PATHS, 'calibrate': CALIBRATE,
-    'robot_description': ROBOT_DESCRIPTION, 'web_view': WEB_VIEW,
+    'robot_description': ROBOT_DESCRIPTION, 'teleop': TELEOP, 'web_view': WEB_VIEW,
     'diffdrive_sim': DIFFDRIVE_SIM}
 KNOWN_NAMES = frozenset(entry.name for table in TABLES.values() for entry in table)
