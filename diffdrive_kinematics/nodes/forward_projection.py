@@ -20,8 +20,7 @@ from typing import Any, List, Mapping, Optional, Tuple, Union
 
 from diffdrive_kinematics.core.kinematics import Command, Pose, WheelGeometry
 from diffdrive_kinematics.core.noise import Projected, projected, unit_bound, WheelSlip
-from diffdrive_kinematics.core.odometry import odometry as core
-from diffdrive_kinematics.core.odometry import timeout_from_seconds
+import diffdrive_kinematics.core.odometry as core
 from diffdrive_kinematics.ros.inputs.other_clock import StampWatch
 from diffdrive_kinematics.ros.inputs.wheel_watch import WheelWatch
 from diffdrive_kinematics.ros.messages.codec import encode_polygon, encode_poses
@@ -67,7 +66,7 @@ def build(values: Mapping[str, Any]) -> Config:
         check_wiring(values, source, ('poses_topic', 'boundary_topic'))
     check_sides(values)
     return Config(
-        wheel_geometry(values), timeout_from_seconds(values['command_timeout']),
+        wheel_geometry(values), core.timeout_from_seconds(values['command_timeout']),
         wheel_slips(values), values)
 
 

@@ -19,8 +19,8 @@ from typing import Any, Mapping, Optional, Tuple
 
 from diffdrive_kinematics.core.kinematics import WheelGeometry
 from diffdrive_kinematics.core.noise import NO_COVARIANCE
+import diffdrive_kinematics.core.odometry as core
 from diffdrive_kinematics.core.odometry import Encoder, timeout_from_seconds, Verdict, WheelPair
-from diffdrive_kinematics.core.odometry import odometry as core
 from diffdrive_kinematics.ros.inputs.driver_watch import DriverWatch
 from diffdrive_kinematics.ros.inputs.wheel_watch import WheelWatch
 from diffdrive_kinematics.ros.messages.messages import given_pose
@@ -162,7 +162,7 @@ class SimulatedBase(DiffDriveNode[Config]):
         pose, moments = initial_pose(self.config.values)
         now_ns = self._updated_now()
         self._place(self._odometry.set_pose(
-            pose, NO_COVARIANCE, now_ns, keep_angles=False)._replace(moments=moments))
+            pose, NO_COVARIANCE, now_ns, keep_angles=False).with_moments(moments))
         response.success, response.message = True, self._report_place('reset')
         return response
 
@@ -238,7 +238,8 @@ class SimulatedBase(DiffDriveNode[Config]):
                 old.geometry, old.timeout_ns, old.slip_variances):
             self._odometry = old.configured(
                 config.geometry, config.timeout_ns, now_ns, config.slip_variances)
-        self._odometry = self._odometry._replace(max_rate=encoder_bound(config.values))
+        self._odometry = self._odometry._replace(
+            wheels=self._odometry.wheels._replace(max_rate=encoder_bound(config.values)))
         if self._correction:
             self._correction.follow(self._odometry)
         self._out.configure(config.values)

@@ -26,7 +26,7 @@ __all__ = ['Process', 'ProcessFailed']
 
 PATIENCE_S = 3.0
 LINES = 40
-SHARED_MEMORY = re.compile(r'/dev/shm/\S*fastrtps_\S+')
+SHARED_MEMORY = re.compile(r'/dev/shm/\S*fast(?:dds|rtps)_\S+')
 
 
 class ProcessFailed(AssertionError):
@@ -61,6 +61,11 @@ class Process:
             [*command, '--ros-args', '-p', 'use_sim_time:=true'], stdin=subprocess.DEVNULL,
             stdout=self._file, stderr=subprocess.STDOUT, start_new_session=True,
             env={**os.environ, **environment})
+
+    @property
+    def pid(self) -> int:
+        """Return its process id."""
+        return self._popen.pid
 
     @property
     def running(self) -> bool:

@@ -15,43 +15,20 @@
 """A simulated robot inside a test, and the processes under test beside it."""
 
 import math
-import os
 from pathlib import Path
-import tempfile
-from typing import Any, Callable, List, Mapping, NamedTuple, Optional, Sequence, Union
+from typing import Any, Callable, List, Mapping, Optional, Sequence, Union
 
-from diffdrive_kinematics.nodes.diffdrive_sim import Member, node_class
-from diffdrive_kinematics.ros.runtime.clocks import SteppedClock
-from diffdrive_kinematics.ros.runtime.running import make_executor
 from diffdrive_kinematics.testing.composition import composition
-from diffdrive_kinematics.testing.domains import FreeDomain
-from diffdrive_kinematics.testing.messages import Recorded, RecordedMessages
+from diffdrive_kinematics.testing.messages import Recorded
+from diffdrive_kinematics.testing.nodes import RobotNodes, State, topic_of
 from diffdrive_kinematics.testing.processes import environment_of, Process
 from diffdrive_kinematics.testing.stepping import Stepping
 from geometry_msgs.msg import Twist, TwistStamped
-import rclpy
 from rclpy.duration import Duration
-from rclpy.signals import SignalHandlerOptions
 
-__all__ = ['Robot', 'State']
+__all__ = ['Robot']
 
-BASES = 'simulated_base', 'wheel_odometry'
 HEARD_S = 10.0
-RANGE = 'ROS_AUTOMATIC_DISCOVERY_RANGE'
-
-
-class State(NamedTuple):
-    """Where a robot is [m, m, rad] and how it moves [m/s, rad/s]."""
-
-    x: float
-    y: float
-    yaw: float
-    speed: float
-    yaw_rate: float
-
-    def distance_to(self, x: float, y: float) -> float:
-        """Return the distance [m] to a place."""
-        return math.hypot(self.x - x, self.y - y)
 
 
 class Robot:
@@ -78,89 +55,37 @@ class Robot:
             noise: Optional[Mapping[str, Any]] = None,
             clock_step: Optional[float] = None) -> None:
         made = composition(config, params or {}, noise or {}, clock_step)
-        self._members = made.members
-        self._nodes: 'dict[str, Any]' = {}
-        self._parts: 'dict[str, tuple[List[Any], List[str]]]' = {}
         self._publishers: 'dict[str, Any]' = {}
         self._processes: List[Process] = []
-        self._executor: Any = None
-        self._context = rclpy.Context()
-        self._range = os.environ.get(RANGE)
-        self._domain = FreeDomain()
-        self.domain = self._domain.id
+        self._nodes = RobotNodes(made)
+        self._observer, self._messages = self._nodes.observer, self._nodes.messages
+        self.domain = self._nodes.domain
+        self._stepping = Stepping(
+            self._observer, self._nodes.executor, self._nodes.clock, self._messages, made.step_ns)
         try:
-            self._start(made.params, made.step_ns)
+            self._settle()
         except BaseException:
             self.close()
             raise
 
-    def _start(self, params: str, step_ns: int) -> None:
-        os.environ[RANGE] = 'LOCALHOST'
-        with tempfile.NamedTemporaryFile('w', suffix='.yaml') as file:
-            file.write(params)
-            file.flush()
-            rclpy.init(args=['--ros-args', '--params-file', file.name], context=self._context,
-                       domain_id=self.domain, signal_handler_options=SignalHandlerOptions.NO)
-        self._clock = SteppedClock()
-        self._messages = RecordedMessages(self._clock)
-        self._observer = rclpy.create_node(
-            'diffdrive_test', context=self._context, use_global_arguments=False,
-            start_parameter_services=False)
-        self._executor = make_executor([self._observer])
-        for member in self._members:
-            self._add(member)
-        self._stepping = Stepping(
-            self._observer, self._executor, self._clock, self._messages, step_ns)
-        self._settle()
-
-    def _add(self, member: Member) -> None:
-        timers = list(self._clock.timers)
-        node = node_class(member.kind)(
-            member.name, namespace=member.namespace, context=self._context,
-            stepped=self._clock, in_flight=self._messages,
-            neighbours=[each.name for each in self._members])
-        self._nodes[_path(member)] = node
-        self._parts[_path(member)] = (
-            [timer for timer in self._clock.timers if timer not in timers],
-            self._messages.listeners_made())
-        self._messages.know_types(node)
-        self._executor.add_node(node)
-
     def _settle(self) -> None:
         """Wait until the nodes hear each other."""
-        self._stepping.wait(
-            lambda: self._messages.matched() and all(
-                node.ready() for node in self._nodes.values()), 'hear itself', [])
+        self._stepping.wait(self._nodes.ready, 'hear itself', [])
 
     @property
     def time(self) -> float:
         """Return the simulated time [s]."""
-        return self._clock.now_ns() / 1e9
+        return self._nodes.clock.now_ns() / 1e9
 
     @property
     def odom(self) -> State:
         """Return where the robot believes to be."""
-        return self._state(self._bases(noisy=False) or self._bases(noisy=True))
+        return self._nodes.state(noisy=False)
 
     @property
     def truth(self) -> State:
         """Return where the robot is."""
-        return self._state(self._bases(noisy=True) or self._bases(noisy=False))
-
-    def _bases(self, *, noisy: bool) -> List[Any]:
-        """Return the bases that are fed with noise, or those that are not."""
-        live = [(member, self._nodes[_path(member)]) for member in self._members
-                if _path(member) in self._nodes]
-        outputs = {
-            _topic(node, 'output_topic') for member, node in live if member.kind == 'wheel_noise'}
-        return [node for member, node in live if member.kind in BASES
-                and (_topic(node, 'wheel_motion_topic') in outputs) == noisy]
-
-    def _state(self, bases: List[Any]) -> State:
-        if not bases:
-            raise LookupError('no simulated_base is alive, expected one')
-        reading = bases[0].reading()
-        return State(*map(float, reading.pose), *map(float, reading.twist))
+        return self._nodes.state(noisy=True)
 
     def history(self, topic: str) -> List[Recorded]:
         """Return all messages of a topic so far, each with its simulated time [s]."""
@@ -192,15 +117,13 @@ class Robot:
 
     def drive(self, v: float, w: float, seconds: float) -> None:
         """Publish a command [m/s, rad/s] in every step for some simulated seconds."""
-        controller = next(
-            self._nodes[_path(member)] for member in self._members
-            if member.kind == 'diff_drive_controller' and _path(member) in self._nodes)
+        controller = self._nodes.of('diff_drive_controller')[0]
         stamped = controller.get_parameter('enable_stamped_cmd_vel').value
         message = TwistStamped() if stamped else Twist()
         twist = message.twist if stamped else message
         twist.linear.x, twist.angular.z = float(v), float(w)
         for _ in range(self._steps(seconds)):
-            self.publish(_topic(controller, 'cmd_vel_topic'), message)
+            self.publish(topic_of(controller, 'cmd_vel_topic'), message)
             self._stepping.step()
 
     def advance(
@@ -290,27 +213,12 @@ class Robot:
 
     def kill(self, name: str) -> None:
         """End a node of the robot at once, as a crash does."""
-        node = self._nodes.pop(self._known(name, self._nodes))
-        timers, topics = self._parts.pop(name)
-        for timer in timers:
-            timer.cancel()
-        self._messages.forget_node(node, topics)
-        self._executor.remove_node(node)
-        node.destroy_node()
+        self._nodes.kill(name)
 
     def restart(self, name: str) -> None:
         """Start a node of the robot again; one that is alive is killed before."""
-        members = {_path(member): member for member in self._members}
-        member = members[self._known(name, members)]
-        if name in self._nodes:
-            self.kill(name)
-        self._add(member)
+        self._nodes.restart(name)
         self._settle()
-
-    def _known(self, name: str, names: Mapping[str, Any]) -> str:
-        if name not in names:
-            raise LookupError(f'the node is {name!r}, expected one of {list(names)}')
-        return name
 
     def step_clock(self, seconds: float) -> None:
         """Step the clock itself, forward or back, as a time server does."""
@@ -320,20 +228,9 @@ class Robot:
         """End everything."""
         for process in self._processes:
             process.close()
-        for node in self._nodes.values():
-            self._executor.remove_node(node)
-            node.destroy_node()
-        if self._executor:
-            self._executor.shutdown()
-            self._observer.destroy_node()
-        rclpy.try_shutdown(context=self._context)
+        self._nodes.close()
         for path in {each for process in self._processes for each in process.shared_memory}:
             Path(path).unlink(missing_ok=True)  # nobody else was in this domain
-        if self._range is None:
-            os.environ.pop(RANGE, None)
-        else:
-            os.environ[RANGE] = self._range
-        self._domain.close()
 
     def _steps(self, seconds: float) -> int:
         steps = round(seconds * 1e9 / self._stepping.step_ns)
@@ -341,13 +238,3 @@ class Robot:
             raise ValueError(f'the time is {seconds!r} s, expected at least a step of the clock, '
                              f'{self._stepping.step_ns / 1e9} s')
         return steps
-
-
-def _path(member: Member) -> str:
-    """Return the name of a member with its namespace."""
-    return f'{member.namespace}/{member.name}'.lstrip('/')
-
-
-def _topic(node: Any, parameter: str) -> str:
-    name: str = node.resolve_topic_name(node.get_parameter(parameter).value)
-    return name

@@ -32,7 +32,7 @@ GEOMETRY = WheelGeometry(0.16, RADIUS)
 def base(timeout_ns=S // 2, **settings):
     """Return a base that stands at the origin."""
     return Odometry.starting_at(
-        Pose(0.0, 0.0, 0.0), geometry=GEOMETRY, timeout_ns=timeout_ns)._replace(**settings)
+        Pose(0.0, 0.0, 0.0), geometry=GEOMETRY, timeout_ns=timeout_ns, **settings)
 
 
 @dataclass(frozen=True)

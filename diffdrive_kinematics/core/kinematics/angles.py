@@ -55,7 +55,7 @@ def wrap_angle(angle):  # type: ignore[no-untyped-def]
     '0.7168'
 
     """
-    if isinstance(angle, np.ndarray):
+    if not isinstance(angle, float) and isinstance(angle, np.ndarray):
         wrapped = np.fmod(angle, math.tau)  # exact; in (-2 pi, 2 pi)
         wrapped = np.where(wrapped > math.pi, wrapped - math.tau, wrapped)
         return np.where(wrapped <= -math.pi, wrapped + math.tau, wrapped)

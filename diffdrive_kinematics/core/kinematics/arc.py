@@ -15,7 +15,7 @@
 """The exact arc that a robot follows while its twist is constant."""
 
 import math
-from typing import Tuple
+from typing import overload, Tuple
 
 from diffdrive_kinematics.core.kinematics.pose import Pose, Scalar
 import numpy as np
@@ -50,6 +50,14 @@ def sinc(angle: Scalar) -> Scalar:
         divisor = np.where(angle == 0.0, 1.0, angle)
         return np.where(angle == 0.0, 1.0, np.sin(divisor) / divisor)
     return math.sin(angle) / angle if angle else 1.0
+
+
+@overload
+def displacement(heading: float, distance: float, turn: float) -> Tuple[float, float]: ...
+
+
+@overload
+def displacement(heading: Scalar, distance: Scalar, turn: Scalar) -> Tuple[Scalar, Scalar]: ...
 
 
 def displacement(heading: Scalar, distance: Scalar, turn: Scalar) -> Tuple[Scalar, Scalar]:
@@ -87,11 +95,11 @@ def displacement(heading: Scalar, distance: Scalar, turn: Scalar) -> Tuple[Scala
     """
     half = 0.5 * turn
     direction = heading + half
-    if isinstance(direction, np.ndarray):
-        chord = distance * sinc(half)
-        return chord * np.cos(direction), chord * np.sin(direction)
-    chord = distance * (math.sin(half) / half if half else 1.0)
-    return chord * math.cos(direction), chord * math.sin(direction)
+    if isinstance(direction, float):
+        chord = distance * (math.sin(half) / half if half else 1.0)
+        return chord * math.cos(direction), chord * math.sin(direction)
+    chord = distance * sinc(half)
+    return chord * np.cos(direction), chord * np.sin(direction)
 
 
 def advance(pose: Pose, distance: Scalar, turn: Scalar) -> Pose:

@@ -23,6 +23,8 @@ from typing import NamedTuple
 
 __all__ = ['RunningSum']
 
+_new = tuple.__new__  # what a NamedTuple calls, in half the time
+
 
 class RunningSum(NamedTuple):
     """
@@ -65,11 +67,12 @@ class RunningSum(NamedTuple):
         RunningSum(high=1.0, low=1e-20)
 
         """
-        total = self.high + term
-        rest = total - self.high
-        low = (self.high - (total - rest)) + (term - rest) + self.low
+        high, low = self
+        total = high + term
+        rest = total - high
+        low = (high - (total - rest)) + (term - rest) + low
         high = total + low
-        return RunningSum(high, low - (high - total))
+        return _new(RunningSum, (high, low - (high - total)))
 
     def value_with(self, term: float) -> float:
         """
@@ -91,9 +94,10 @@ class RunningSum(NamedTuple):
         2.5
 
         """
-        total = self.high + term
-        rest = total - self.high
-        return total + ((self.high - (total - rest)) + (term - rest) + self.low)
+        high, low = self
+        total = high + term
+        rest = total - high
+        return total + ((high - (total - rest)) + (term - rest) + low)
 
     @property
     def value(self) -> float:

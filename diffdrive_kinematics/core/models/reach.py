@@ -33,8 +33,9 @@ from typing import NamedTuple, Sequence, Tuple
 
 from diffdrive_kinematics.core.models.disturbance import Disturbance, Step
 from diffdrive_kinematics.core.models.mesh import swept, widened
-from diffdrive_kinematics.core.models.pieces import Piece, pieces_of, stray
+from diffdrive_kinematics.core.models.pieces import pieces_of
 from diffdrive_kinematics.core.models.rolling import Rolling
+from diffdrive_kinematics.core.models.stray import Piece, stray
 from diffdrive_kinematics.core.models.system import ControlSystem, Vector
 from diffdrive_kinematics.core.noise import area, perimeter, simplified
 import numpy as np

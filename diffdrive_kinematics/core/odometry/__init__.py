@@ -16,31 +16,42 @@
 From messages about wheels to a pose at any time.
 
 Wheel motion from stamped rates and positions, encoders that wrap around, the odometry that
-evaluates one exact arc from its last anchor, slip on a stream of wheel motion; and what is to be
-believed of drivers: their clocks, velocities, several publishers, several wheels of a side.
+evaluates one exact arc from its last anchor, slip on a stream of wheel motion; and checks of what
+drivers say: their clocks, velocities, several publishers, several wheels of a side.
 """
 
+from diffdrive_kinematics.core.odometry.anchor import Anchor
+from diffdrive_kinematics.core.odometry.base_state import BaseState
 from diffdrive_kinematics.core.odometry.encoders import Encoder, PositionTrack, wrapped_increment
 from diffdrive_kinematics.core.odometry.history import OdometryHistory
 from diffdrive_kinematics.core.odometry.joint_assembly import Assembled, Assembly, JointReading
 from diffdrive_kinematics.core.odometry.measured_wheels import MeasuredWheels
-from diffdrive_kinematics.core.odometry.odometry import BaseState, Odometry
+from diffdrive_kinematics.core.odometry.motion_update import MotionUpdate, update_motion
+from diffdrive_kinematics.core.odometry.odometry import Odometry
+from diffdrive_kinematics.core.odometry.odometry_state import OdometryState
 from diffdrive_kinematics.core.odometry.rate_window import RateWindow
-from diffdrive_kinematics.core.odometry.sender_clock import SenderClock, tolerance_of
+from diffdrive_kinematics.core.odometry.sender_clock import SenderClock
 from diffdrive_kinematics.core.odometry.sender_clocks import REMEMBERED_NS, SenderClocks
 from diffdrive_kinematics.core.odometry.slip_stream import SlipStream
-from diffdrive_kinematics.core.odometry.sources import Source, Sources, Spoken
+from diffdrive_kinematics.core.odometry.source import Source, Spoken
+from diffdrive_kinematics.core.odometry.sources import Sources
+from diffdrive_kinematics.core.odometry.timeouts import (
+    step_tolerance, timeout_from_seconds, tolerance_of)
 from diffdrive_kinematics.core.odometry.velocity_check import Contradiction, VelocityCheck
+from diffdrive_kinematics.core.odometry.wheel_comparison import Disagreement, mean_of
 from diffdrive_kinematics.core.odometry.wheel_motion import (
-    baseline, is_run, is_silent, rates_at, Received, rolled, shifted, step_tolerance,
-    timeout_from_seconds, update_motion, Verdict, WheelMotion, WheelPair, WheelSample, ZERO)
-from diffdrive_kinematics.core.odometry.wheel_side import Disagreement, mean_of, SideTrack
+    anchored, baseline, is_silent, rates_at, rolled, shifted, WheelMotion)
+from diffdrive_kinematics.core.odometry.wheel_sample import (
+    is_run, Verdict, WheelPair, WheelSample, ZERO)
+from diffdrive_kinematics.core.odometry.wheel_side import SideTrack
+from diffdrive_kinematics.core.odometry.wheel_state import WheelState
+from diffdrive_kinematics.core.odometry.wheel_track import WheelTrack
 
 __all__ = [
-    'Assembled', 'Assembly', 'BaseState', 'Contradiction', 'Disagreement', 'Encoder',
-    'JointReading', 'MeasuredWheels', 'Odometry', 'OdometryHistory', 'WheelPair', 'PositionTrack',
-    'REMEMBERED_NS', 'RateWindow', 'Received', 'SenderClock', 'SenderClocks', 'SideTrack',
-    'SlipStream', 'Source', 'Sources', 'Spoken', 'VelocityCheck', 'Verdict', 'WheelMotion',
-    'WheelSample', 'ZERO', 'baseline', 'is_run', 'is_silent',
-    'mean_of', 'rates_at', 'update_motion', 'rolled', 'shifted', 'step_tolerance',
-    'timeout_from_seconds', 'tolerance_of', 'wrapped_increment']
+    'Anchor', 'Assembled', 'Assembly', 'BaseState', 'Contradiction', 'Disagreement', 'Encoder',
+    'JointReading', 'MeasuredWheels', 'MotionUpdate', 'Odometry', 'OdometryHistory',
+    'OdometryState', 'PositionTrack', 'REMEMBERED_NS', 'RateWindow', 'SenderClock', 'SenderClocks',
+    'SideTrack', 'SlipStream', 'Source', 'Sources', 'Spoken', 'VelocityCheck', 'Verdict',
+    'WheelMotion', 'WheelPair', 'WheelSample', 'WheelState', 'WheelTrack', 'ZERO', 'anchored',
+    'baseline', 'is_run', 'is_silent', 'mean_of', 'rates_at', 'rolled', 'shifted',
+    'step_tolerance', 'timeout_from_seconds', 'tolerance_of', 'update_motion', 'wrapped_increment']

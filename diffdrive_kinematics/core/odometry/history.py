@@ -41,7 +41,8 @@ class OdometryHistory:
 
     >>> from diffdrive_kinematics.core.kinematics import WheelGeometry
     >>> from diffdrive_kinematics.core.odometry import WheelSample
-    >>> odometry = Odometry(WheelGeometry(0.5, 0.125), timeout_ns=None)
+    >>> odometry = Odometry.starting_at(
+    ...     Pose(0.0, 0.0, 0.0), geometry=WheelGeometry(0.5, 0.125), timeout_ns=None)
     >>> history = OdometryHistory((odometry,))
     >>> odometry, _ = odometry.update(WheelSample(0, (8.0, 8.0)), now_ns=0)
     >>> history = history.followed(odometry)
@@ -103,4 +104,5 @@ class OdometryHistory:
 
 
 def _anchor(odometry: Odometry) -> int:
-    return odometry.motion.anchor_ns if odometry.motion else 0
+    motion = odometry.motion
+    return motion.anchor_ns if motion else 0

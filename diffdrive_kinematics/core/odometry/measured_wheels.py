@@ -28,35 +28,25 @@ them: filtered, late, in other units, or nothing at all.
   stands, or turns the other way, is where its positions say.
 """
 
-from typing import NamedTuple, Optional
+from typing import Optional
 
 from diffdrive_kinematics.core.kinematics import NANOSECONDS
-from diffdrive_kinematics.core.odometry.rate_window import RateWindow
-from diffdrive_kinematics.core.odometry.velocity_check import VelocityCheck
-from diffdrive_kinematics.core.odometry.wheel_motion import WheelPair, ZERO
+from diffdrive_kinematics.core.odometry.measured_state import MeasuredState
+from diffdrive_kinematics.core.odometry.wheel_sample import WheelPair, ZERO
 
 __all__ = ['MeasuredWheels']
 
-REACH = 3  # usual intervals
-CREDIBLE = 2.0  # times the rate of the positions: a velocity above it is an outlier
-STEADY = 3  # messages in a row in which a wheel turned one way
 RESTING = 2  # messages in a row in which it did not
 
 
-class MeasuredWheels(NamedTuple):
+class MeasuredWheels(MeasuredState):
     """
     What a driver's messages say of the wheels.
 
     Parameters
     ----------
-    extrapolates : bool
-        Whether angles go on by the rates of the window.
-    window : RateWindow
-        The rates of the positions.
-    check : VelocityCheck
-        Whether the velocities are those of the positions.
-    lead : pair of float
-        By how much [rad] the angles at the last message are ahead of the positions.
+    extrapolates, window, check, lead : as there
+        Fields of :class:`.MeasuredState`.
 
     Examples
     --------
@@ -66,22 +56,14 @@ class MeasuredWheels(NamedTuple):
     >>> for number in (1, 2, 3):
     ...     wheels = wheels.followed(
     ...         250_000_000 * number, (0.5 * number, 1.0 * number), None, ahead=(0.0, 0.0))
-    >>> wheels.rates, wheels.held_rates(), wheels.told_rates()
+    >>> wheels.rates, wheels.held_rates(), wheels.fallback_rates()
     ((2.0, 4.0), (2.0, 4.0), (2.0, 4.0))
     >>> wheels.reach_ns(timeout_ns=None), wheels.reach_ns(timeout_ns=500_000_000)
     (750000000, 500000000)
 
     """
 
-    extrapolates: bool = True
-    window: RateWindow = RateWindow()
-    check: VelocityCheck = VelocityCheck()
-    lead: WheelPair = ZERO
-
-    @property
-    def rates(self) -> WheelPair:
-        """Return the rates [rad/s] of the positions."""
-        return self.window.rates
+    __slots__ = ()
 
     def begun(
             self, time_ns: int, angles: WheelPair, velocities: Optional[WheelPair],
@@ -131,7 +113,7 @@ class MeasuredWheels(NamedTuple):
         velocities : pair of float or None
             The driver's velocities [rad/s].
         ahead : pair of float
-            By how much [rad] the angles that were told until it came are ahead of that.
+            By how much [rad] the angles reported until it came are ahead of that.
 
         Returns
         -------
@@ -155,105 +137,6 @@ class MeasuredWheels(NamedTuple):
             _kept(ahead[0], window.rests[0], window.runs[0] or window.rates[0]),
             _kept(ahead[1], window.rests[1], window.runs[1] or window.rates[1]))
         return MeasuredWheels(self.extrapolates, window, check, lead)
-
-    def held_rates(self) -> Optional[WheelPair]:
-        """
-        Return the rates by which angles go on until the next message.
-
-        Returns
-        -------
-        pair of float or None
-            Rates (left, right) [rad/s]; None: they do not go on.
-
-        Examples
-        --------
-        See :class:`MeasuredWheels`.
-
-        """
-        if self.check.believed and self.check.rates is not None:
-            return self._credible(self.check.rates)
-        if not self.extrapolates:
-            return None
-        (left, right), (left_run, right_run) = self.window.rates, self.window.runs
-        return left if abs(left_run) >= STEADY else 0.0, right if abs(right_run) >= STEADY else 0.0
-
-    def told_rates(self) -> WheelPair:
-        """
-        Return the rates to go by where the next message has no positions.
-
-        Returns
-        -------
-        pair of float
-            Rates (left, right) [rad/s].
-
-        Examples
-        --------
-        See :class:`MeasuredWheels`.
-
-        """
-        check = self.check
-        return self.window.rates if check.against or check.rates is None else check.rates
-
-    def reach_ns(self, timeout_ns: Optional[int]) -> Optional[int]:
-        """
-        Return for how long angles go on after a message.
-
-        Parameters
-        ----------
-        timeout_ns : int or None
-            Silence after which the wheels stop [ns]; None: they do not.
-
-        Returns
-        -------
-        int or None
-            The time [ns]; None: there is no end.
-
-        Examples
-        --------
-        See :class:`MeasuredWheels`.
-
-        """
-        if self._bridged():
-            return timeout_ns
-        reach_ns = REACH * self.window.usual_ns
-        return reach_ns if timeout_ns is None else min(reach_ns, timeout_ns)
-
-    def _credible(self, rates: WheelPair) -> WheelPair:
-        """Return velocities [rad/s] within a multiple of what the positions show."""
-        groups, shown = self.window.groups, self.window.rates
-        last, before = groups[-1], groups[-2] if len(groups) > 1 else groups[-1]
-        per_s = NANOSECONDS / self.window.usual_ns
-        left = CREDIBLE * max(abs(shown[0]), abs(last[1] - before[1]) * per_s)
-        right = CREDIBLE * max(abs(shown[1]), abs(last[2] - before[2]) * per_s)
-        if -left <= rates[0] <= left and -right <= rates[1] <= right:
-            return rates
-        return max(-left, min(left, rates[0])), max(-right, min(right, rates[1]))
-
-    def _bridged(self) -> bool:
-        """Tell whether angles go on by the velocities of the driver."""
-        return self.check.believed and self.check.rates is not None
-
-    def led(self, angle: WheelPair) -> WheelPair:
-        """
-        Return an angle since the last message that does not go back behind the lead.
-
-        Parameters
-        ----------
-        angle : pair of float
-            Rolled since the last message [rad].
-
-        Returns
-        -------
-        pair of float
-            The angle [rad], or the lead where that is farther.
-
-        Examples
-        --------
-        >>> MeasuredWheels(lead=(0.25, 0.0)).led((0.125, 0.125))
-        (0.25, 0.125)
-
-        """
-        return _behind(angle[0], self.lead[0]), _behind(angle[1], self.lead[1])
 
     def rested(self, by: WheelPair) -> 'MeasuredWheels':
         """
@@ -304,9 +187,3 @@ class MeasuredWheels(NamedTuple):
 def _kept(ahead: float, rests: int, way: float) -> float:
     """Return the lead of a wheel that is ahead: none where it stands or turns the other way."""
     return ahead if rests < RESTING and ahead * way > 0.0 else 0.0
-
-
-def _behind(angle: float, lead: float) -> float:
-    if lead > 0.0:
-        return max(angle, lead)
-    return min(angle, lead) if lead < 0.0 else angle

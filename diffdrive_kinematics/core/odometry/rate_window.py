@@ -28,7 +28,7 @@ and encoders count in ticks.  Over a window of N intervals these errors are N ti
 from typing import NamedTuple, Tuple
 
 from diffdrive_kinematics.core.kinematics import NANOSECONDS
-from diffdrive_kinematics.core.odometry.wheel_motion import WheelPair, ZERO
+from diffdrive_kinematics.core.odometry.wheel_sample import WheelPair, ZERO
 
 __all__ = ['RateWindow']
 

@@ -13,7 +13,10 @@
 # limitations under the License.
 
 """
-The clock of a sender, as the times show at which its messages arrive.
+The clock of one sender, as the times show at which its messages arrive.
+
+It maps stamps to the own clock.  Where it is not known who sends a message, and only its age is
+asked for, there is :class:`.SenderClocks`.
 
 The latency of a message, its arrival minus its stamp, is the offset of the sender's clock plus
 what the message took.  The least latency is the offset, but for the fastest message's way.
@@ -25,67 +28,32 @@ what the message took.  The least latency is the offset, but for the fastest mes
 * A clock that is within the tolerance is the own one, and its stamps are taken as they are.
 """
 
-from typing import NamedTuple, Optional, Tuple
+from typing import Tuple
 
-__all__ = ['SenderClock', 'tolerance_of']
+from diffdrive_kinematics.core.odometry.clock_offset import ClockOffset, FEWEST, PATIENCE_NS
 
-TOLERANCE_NS = 250_000_000
+__all__ = ['SenderClock']
 
-PATIENCE_NS = 1_000_000_000
-FEWEST = 5  # messages to judge by
 DRIFT = 100  # the least latency may rise by one part of so many
 HYSTERESIS = 10  # clocks that were apart agree again within one part in so many of the tolerance
 
 
-def tolerance_of(timeout_ns: Optional[int]) -> int:
-    """
-    Return how far stamps may be off where silence has a timeout: half of it.
-
-    Parameters
-    ----------
-    timeout_ns : int or None
-        The timeout [ns]; None: there is none.
-
-    Returns
-    -------
-    int
-        The tolerance [ns], a quarter of a second at most.
-
-    Examples
-    --------
-    >>> tolerance_of(None), tolerance_of(100_000_000)
-    (250000000, 50000000)
-
-    """
-    return TOLERANCE_NS if timeout_ns is None else min(TOLERANCE_NS, timeout_ns // 2)
-
-
-class SenderClock(NamedTuple):
+class SenderClock(ClockOffset):
     """
     What is known of a sender's clock; a value: :meth:`observed` returns a new one.
 
     Parameters
     ----------
-    tolerance_ns : int
-        Difference [ns] up to which the clock is the own one.
-    apart : bool
-        Whether the clock is another one, by what was heard so far.
-    least_ns : int or None
-        The least latency [ns]; None: nothing was heard.
-    stamp_ns, arrival_ns : int
-        Of the last message that taught something [ns].
-    messages, since_ns : int
-        How many messages have come since the clock is apart, and when [ns] the first one came.
-    late, late_since_ns, late_least_ns : int
-        How many messages in a row came late, when [ns] the first did, and the least latency [ns].
-    low_ns, high_ns : int
-        Latencies [ns] from one to the other teach nothing; there are some where clocks agree.
+    tolerance_ns, apart, least_ns, stamp_ns, arrival_ns, messages, since_ns : as there
+        Fields of :class:`.ClockOffset`.
+    late, late_since_ns, late_least_ns, low_ns, high_ns : as there
+        Fields of :class:`.ClockOffset`.
 
     Examples
     --------
     A clock that is 3 s ahead, less the millisecond that the message took:
 
-    >>> clock = SenderClock(tolerance_of(None)).observed(8_000_000_000, 5_001_000_000)
+    >>> clock = SenderClock(tolerance_ns=250_000_000).observed(8_000_000_000, 5_001_000_000)
     >>> clock.apart, clock.offset_ns, clock.differs
     (True, -2999000000, False)
     >>> clock.own_ns(9_000_000_000), clock.theirs_ns(6_001_000_000)
@@ -95,94 +63,7 @@ class SenderClock(NamedTuple):
 
     """
 
-    tolerance_ns: int
-    apart: bool = False
-    least_ns: Optional[int] = None
-    stamp_ns: int = 0
-    arrival_ns: int = 0
-    messages: int = 0
-    since_ns: int = 0
-    late: int = 0
-    late_since_ns: int = 0
-    late_least_ns: int = 0
-    low_ns: int = 0
-    high_ns: int = -1
-
-    @property
-    def offset_ns(self) -> int:
-        """Return what [ns] to add to stamps for the time on the own clock; 0: they agree."""
-        return self.least_ns or 0 if self.apart else 0
-
-    @property
-    def differs(self) -> bool:
-        """Return whether the clock is another one, and steadily so."""
-        return (self.apart and self.messages >= FEWEST
-                and self.arrival_ns - self.since_ns >= PATIENCE_NS)
-
-    def own_ns(self, stamp_ns: int) -> int:
-        """
-        Return the time on the own clock of a stamp.
-
-        Parameters
-        ----------
-        stamp_ns : int
-            The stamp [ns].
-
-        Returns
-        -------
-        int
-            The time [ns].
-
-        Examples
-        --------
-        See :class:`SenderClock`.
-
-        """
-        return stamp_ns + self.offset_ns
-
-    def theirs_ns(self, time_ns: int) -> int:
-        """
-        Return the time on the sender's clock when the own clock shows another.
-
-        Parameters
-        ----------
-        time_ns : int
-            The time on the own clock [ns].
-
-        Returns
-        -------
-        int
-            The time on the sender's clock [ns].
-
-        Examples
-        --------
-        See :class:`SenderClock`.
-
-        """
-        return time_ns - self.offset_ns
-
-    def delay_ns(self, stamp_ns: int, arrival_ns: int) -> int:
-        """
-        Return how much later than the fastest ones a message came, whatever the clock.
-
-        Parameters
-        ----------
-        stamp_ns : int
-            Its stamp [ns].
-        arrival_ns : int
-            When it came [ns], on the own clock.
-
-        Returns
-        -------
-        int
-            The delay [ns].
-
-        Examples
-        --------
-        See :class:`SenderClock`.
-
-        """
-        return arrival_ns - stamp_ns - (self.least_ns or 0)
+    __slots__ = ()
 
     def observed(self, stamp_ns: int, arrival_ns: int) -> 'SenderClock':
         """
@@ -247,7 +128,7 @@ class SenderClock(NamedTuple):
 
         Examples
         --------
-        >>> SenderClock(tolerance_of(None)).begun(8_000_000_000, 5_000_000_000).offset_ns
+        >>> SenderClock(tolerance_ns=250_000_000).begun(8_000_000_000, 5_000_000_000).offset_ns
         -3000000000
 
         """
@@ -298,7 +179,7 @@ class SenderClock(NamedTuple):
 
         Examples
         --------
-        >>> clock = SenderClock(tolerance_of(None)).observed(8_000_000_000, 5_000_000_000)
+        >>> clock = SenderClock(tolerance_ns=250_000_000).observed(8_000_000_000, 5_000_000_000)
         >>> clock.clock_stepped(1_000_000_000).offset_ns
         -2000000000
 

@@ -13,7 +13,10 @@
 # limitations under the License.
 
 """
-How long ago a message was sent, where the clocks of its senders may be other ones than the own.
+How long ago a message was sent, where its sender is not known, nor the clock of it.
+
+Several clocks may be in use at a time.  That of one known sender is a :class:`.SenderClock`, which
+follows its drift and maps its stamps.
 
 The latency of a message, the own clock at its arrival less the sender's when it was sent, is its
 age and the offset of the two clocks in one.  The offsets of several senders are known at a time,

@@ -25,13 +25,12 @@ from typing import Optional, Tuple
 
 from diffdrive_kinematics.core.kinematics import RunningSum
 from diffdrive_kinematics.core.noise import effective_ratio, sample_travel, WheelSlip
-from diffdrive_kinematics.core.odometry.wheel_motion import (
-    baseline, rolled, update_motion, Verdict, WheelMotion, WheelPair, WheelSample)
+from diffdrive_kinematics.core.odometry.motion_update import update_motion
+from diffdrive_kinematics.core.odometry.wheel_motion import baseline, rolled, WheelMotion
+from diffdrive_kinematics.core.odometry.wheel_sample import Verdict, WheelPair, WheelSample, ZERO
 import numpy as np
 
 __all__ = ['SlipStream']
-
-ZERO: WheelPair = (0.0, 0.0)
 
 
 @dataclass(frozen=True)
@@ -49,7 +48,7 @@ class SlipStream:
         Longest silence [ns] over which rates are held, as in the base; None = any.
     motion : WheelMotion or None
         The nominal motion; None until the first sample.
-    told_ns : int
+    last_out_ns : int
         Stamp of the last sample that was put out [ns].
     ahead : pair of float
         Nominal angle [rad] that was put out already, beyond the anchor of ``motion``.
@@ -74,7 +73,7 @@ class SlipStream:
     right_slip: WheelSlip
     timeout_ns: Optional[int]
     motion: Optional[WheelMotion] = None
-    told_ns: int = 0
+    last_out_ns: int = 0
     ahead: WheelPair = ZERO
     left: RunningSum = RunningSum(0.0)
     right: RunningSum = RunningSum(0.0)
@@ -109,16 +108,16 @@ class SlipStream:
         """
         if self.motion is None:
             motion = baseline(sample)
-            stream = replace(self, motion=motion, told_ns=sample.stamp_ns)
+            stream = replace(self, motion=motion, last_out_ns=sample.stamp_ns)
             return stream, self._out(sample, motion, ratios=None), Verdict.FIRST
         result = update_motion(
             self.motion, sample, now_ns=sample.stamp_ns, timeout_ns=self.timeout_ns)
-        late = result.verdict is Verdict.REPEATED and sample.stamp_ns <= self.told_ns
+        late = result.verdict is Verdict.REPEATED and sample.stamp_ns <= self.last_out_ns
         if late or result.verdict is Verdict.OUT_OF_ORDER:
             return self, None, result.verdict
         if result.verdict is Verdict.CLOCK_STEP:
             stream = replace(
-                self, motion=result.motion, told_ns=sample.stamp_ns, ahead=ZERO)
+                self, motion=result.motion, last_out_ns=sample.stamp_ns, ahead=ZERO)
             return stream, stream._out(sample, result.motion, ratios=None), result.verdict
         return (*self._perturbed(sample, result.motion, result.rolled, generator),
                 result.verdict)
@@ -127,8 +126,8 @@ class SlipStream:
             self, sample: WheelSample, motion: WheelMotion, anchor_moved: WheelPair,
             generator: 'np.random.Generator') -> Tuple['SlipStream', WheelSample]:
         """Perturb the nominal angle between the sample put out last and this one."""
-        told_ns = max(sample.stamp_ns, self.told_ns + 1)
-        held = rolled(motion, told_ns, self.timeout_ns)
+        last_out_ns = max(sample.stamp_ns, self.last_out_ns + 1)
+        held = rolled(motion, last_out_ns, self.timeout_ns)
         nominal = (anchor_moved[0] + held[0] - self.ahead[0],
                    anchor_moved[1] + held[1] - self.ahead[1])
         left, left_ratio = _slip(
@@ -136,7 +135,7 @@ class SlipStream:
         right, right_ratio = _slip(
             self.right_slip, nominal[1], self.radii[1], generator)
         stream = replace(
-            self, motion=motion, ahead=held, told_ns=told_ns,
+            self, motion=motion, ahead=held, last_out_ns=last_out_ns,
             left=self.left.plus(left), right=self.right.plus(right))
         return stream, stream._out(sample, motion, ratios=(left_ratio, right_ratio))
 
@@ -149,7 +148,7 @@ class SlipStream:
         rates = (motion.rates[0] * left, motion.rates[1] * right) if motion.holds else None
         if first:
             return WheelSample(sample.stamp_ns, rates or ZERO)
-        return WheelSample(self.told_ns, rates, (self.left.value, self.right.value))
+        return WheelSample(self.last_out_ns, rates, (self.left.value, self.right.value))
 
 
 def _slip(

@@ -13,270 +13,47 @@
 # limitations under the License.
 
 """
-Which of several publishers of the same joints is believed.
+Which of several publishers of the same joints is used.
 
-Two publishers of the same wheels cannot both be right, and what they say in turn is no motion.
+Two publishers of the same wheels cannot both be right, and their mixed messages are no motion.
 They are told apart by the tag that their messages carry, and by the numbers that the middleware
 gives to the messages of each publisher: those of one go up, one by one where none is lost.
 
 * A publisher that begins where another one has been silent takes its place, and so does one with
   a tag of its own, which is a restart as far as is known.
-* Where both go on, the one that moves is believed before one that never did (a node that
+* Where both go on, the one that moves is used rather than one that never did (a node that
   publishes zeros), and else the one that was there first; it has to be silent for longer before
   the other one takes its place.
 * Publishers of different joints (the left wheel and the right one) do not disturb each other.
 """
 
-import math
 from typing import NamedTuple, Optional, Sequence, Tuple
 
-__all__ = ['Source', 'Sources', 'Spoken']
+from diffdrive_kinematics.core.odometry.source import Source, Spoken, TAKEOVER_NS
 
-LARGEST_GAP = 100  # messages that are lost without a silence; who is further ahead is another one
-FASTEST_NS = 500_000  # between messages: what a silence may have swallowed
-TAKEOVER_NS = 500_000_000  # of silence, where a single publisher is known
+__all__ = ['Sources']
+
 CONTESTED_TAKEOVER_NS = 2_000_000_000  # of silence, where two have spoken in turn
 CONTEST_NS = 5_000_000_000  # for which it is reported after the last sign of it
 FORGOTTEN_NS = 10_000_000_000
 MOST_SOURCES = 8
-STANDS = 1e-3  # [rad, rad/s]
 NEVER_NS = -10**20
-
-
-class Spoken(NamedTuple):
-    """
-    A message as it came: who says what, and when.
-
-    Parameters
-    ----------
-    tag : str
-        What the publisher says of itself; empty: nothing.
-    joints : tuple of int
-        Which joints the message is about.
-    number : int
-        Among the messages of its publisher; 0: unknown.
-    now_ns : int
-        Time of arrival [ns].
-    positions, rates : sequence of float
-        Of the joints [rad, rad/s]; empty: absent.
-
-    Examples
-    --------
-    >>> Spoken('', (0, 1), number=7, now_ns=20_000_000, positions=(0.5, 0.25)).rates
-    ()
-
-    """
-
-    tag: str
-    joints: Tuple[int, ...]
-    number: int
-    now_ns: int
-    positions: Sequence[float] = ()
-    rates: Sequence[float] = ()
-
-
-class Source(NamedTuple):
-    """
-    A publisher of some joints: its first message, its last one, and whether it ever moved.
-
-    Parameters
-    ----------
-    first, last : Spoken
-        Its first message, which tells it from all others, and its last one.
-    moved : bool
-        Whether it has ever said that a joint moves.
-    gap : tuple of (Spoken, Spoken), optional
-        The messages before and after the last gap of its numbers: what comes in between tells that
-        from there on it was another publisher.
-
-    Examples
-    --------
-    A publisher of both wheels whose second message did not come:
-
-    >>> first = Spoken('', (0, 1), number=1, now_ns=0, positions=(0.0, 0.0))
-    >>> third = Spoken('', (0, 1), number=3, now_ns=40_000_000, positions=(0.5, 0.25))
-    >>> source = Source(first, first)
-    >>> source.ahead(third), source.distance(third), source.silent(third.now_ns)
-    (2, 0.5, 40000000)
-    >>> source = source.speaking(third)
-    >>> source.moved, source.gap == (first, third)
-    (True, True)
-
-    The number comes after all, so there are two publishers:
-
-    >>> len(source.parted(third._replace(number=2, now_ns=45_000_000)))
-    2
-
-    """
-
-    first: Spoken
-    last: Spoken
-    moved: bool = False
-    gap: Optional[Tuple[Spoken, Spoken]] = None
-
-    def ahead(self, spoken: Spoken) -> int:
-        """
-        Return how many messages after the last one it would be; 0: it is not this one's.
-
-        Parameters
-        ----------
-        spoken : Spoken
-            The message.
-
-        Returns
-        -------
-        int
-            1 for the next one, and where numbers are unknown.
-
-        Examples
-        --------
-        See :class:`Source`.
-
-        """
-        last = self.last
-        if spoken.tag != last.tag or spoken.joints != last.joints:
-            return 0
-        if not spoken.number or not last.number:
-            return 1
-        ahead, silent = spoken.number - last.number, self.silent(spoken.now_ns)
-        return ahead if 0 < ahead and (
-            ahead <= LARGEST_GAP + silent // FASTEST_NS or silent > TAKEOVER_NS) else 0
-
-    def parted(self, spoken: Spoken) -> 'Tuple[Source, ...]':
-        """
-        Return the source as the two that it is where a message comes from within its gap.
-
-        Parameters
-        ----------
-        spoken : Spoken
-            The message.
-
-        Returns
-        -------
-        tuple of Source
-            The one before the gap and the one after it; the source alone where it is one.
-
-        Examples
-        --------
-        See :class:`Source`.
-
-        """
-        if self.gap and spoken.tag == self.last.tag and spoken.joints == self.last.joints \
-                and self.gap[0].number < spoken.number < self.gap[1].number:
-            return (Source(self.first, self.gap[0], self.moved),
-                    Source(self.gap[1], self.last))
-        return self,
-
-    def precedes(self, spoken: Spoken) -> bool:
-        """
-        Tell whether a message about other joints seems to come from the same publisher.
-
-        Parameters
-        ----------
-        spoken : Spoken
-            The message.
-
-        Returns
-        -------
-        bool
-            True where the tags are the same and the number, if known, is the next one.
-
-        Examples
-        --------
-        >>> left = Spoken('', (0,), number=1, now_ns=0)
-        >>> right = Spoken('', (1,), number=2, now_ns=3_000_000)
-        >>> Source(left, left).precedes(right), Source(left, left).precedes(left)
-        (True, False)
-
-        """
-        last = self.last
-        return spoken.tag == last.tag and spoken.joints != last.joints and (
-            not spoken.number or spoken.number == last.number + 1)
-
-    def distance(self, spoken: Spoken) -> float:
-        """
-        Return how far the positions of a message are from the last ones.
-
-        Parameters
-        ----------
-        spoken : Spoken
-            The message, about the same joints.
-
-        Returns
-        -------
-        float
-            The largest distance of a joint [rad]; 0 where no two positions are known.
-
-        Examples
-        --------
-        See :class:`Source`.
-
-        """
-        apart = [abs(a - b) for a, b in zip(spoken.positions, self.last.positions)]
-        return max((each for each in apart if not math.isnan(each)), default=0.0)
-
-    def speaking(self, spoken: Spoken) -> 'Source':
-        """
-        Return the source after a message.
-
-        Parameters
-        ----------
-        spoken : Spoken
-            The message, which is of this source.
-
-        Returns
-        -------
-        Source
-            The source, of which this message is the last one.
-
-        Examples
-        --------
-        See :class:`Source`.
-
-        """
-        moved = self.moved or any(abs(rate) > STANDS for rate in spoken.rates) or any(
-            abs(a - b) > STANDS for a, b in zip(spoken.positions, self.first.positions))
-        gap = self.gap
-        if spoken.number > self.last.number + 1:
-            gap = self.last, spoken
-        return Source(self.first, spoken, moved, gap)
-
-    def silent(self, now_ns: int) -> int:
-        """
-        Return for how long it has said nothing; a step of the clock counts as silence.
-
-        Parameters
-        ----------
-        now_ns : int
-            The time [ns].
-
-        Returns
-        -------
-        int
-            How long [ns], 0 or above.
-
-        Examples
-        --------
-        See :class:`Source`.
-
-        """
-        return abs(now_ns - self.last.now_ns)
 
 
 class Sources(NamedTuple):
     """
-    The publishers that were heard; a value: :meth:`heard` returns a new one.
+    The publishers of some joints; a value: :meth:`heard` returns a new one.
 
     Parameters
     ----------
     known : tuple of Source
         In the order in which they began.
     owners : tuple of Spoken
-        The sources believed, by the first message of each, which is unique.
+        The sources that are used, by the first message of each, which is unique.
     contested_ns : int
         When two of the same joints last spoke in turn [ns].
     ignored : int
-        How many messages were not believed.
+        How many messages were not used.
 
     Examples
     --------
@@ -300,7 +77,7 @@ class Sources(NamedTuple):
 
     def heard(self, spoken: Spoken) -> Tuple['Sources', bool]:
         """
-        Return the sources after a message, and whether it is believed.
+        Return the sources after a message, and whether it is used.
 
         Parameters
         ----------
@@ -312,7 +89,7 @@ class Sources(NamedTuple):
         sources : Sources
             The sources after it.
         believed : bool
-            Whether it is of a source that is believed.
+            Whether it is of a source that is used.
 
         Examples
         --------
@@ -422,7 +199,7 @@ class Sources(NamedTuple):
         return (*(each for each in kept if each.first not in forgotten), source)
 
     def _gives_way(self, rival: Source, source: Source) -> bool:
-        """Tell whether a source that is believed gives way to another one that speaks now."""
+        """Tell whether a source that is used gives way to another one that speaks now."""
         contested = self.contested(source.last.now_ns)
         if rival.silent(source.last.now_ns) > self._takeover_ns(source.last.now_ns):
             return True

@@ -27,7 +27,7 @@ disagreement to report.
 
 from typing import NamedTuple, Optional, Tuple
 
-from diffdrive_kinematics.core.odometry.wheel_motion import WheelPair, ZERO
+from diffdrive_kinematics.core.odometry.wheel_sample import WheelPair, ZERO
 
 __all__ = ['Contradiction', 'VelocityCheck']
 

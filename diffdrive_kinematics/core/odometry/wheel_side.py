@@ -37,64 +37,13 @@ import math
 from typing import NamedTuple, Optional, Sequence, Tuple
 
 from diffdrive_kinematics.core.kinematics import is_sane
+from diffdrive_kinematics.core.odometry.wheel_comparison import (
+    Disagreement, Flags, Floats, judged, mean_of, SHARE)
 
-__all__ = ['Disagreement', 'SideTrack', 'mean_of']
+__all__ = ['SHARE', 'SideTrack']
 
 LEAST_TRAVEL = 0.5  # [rad]
 LEAST_CHANGES = 8
-SHARE = 0.25  # of the longest way
-STANDS = 0.1  # of the longest way
-Floats = Tuple[float, ...]
-Flags = Tuple[bool, ...]
-
-
-def mean_of(values: Sequence[float], used: Sequence[bool]) -> float:
-    """
-    Return the mean of the values that are used, NaN where none is.
-
-    Parameters
-    ----------
-    values : sequence of float, shape (n,)
-        Values of any unit.
-    used : sequence of bool, shape (n,)
-        Which of them are used.
-
-    Returns
-    -------
-    float
-        The mean, in the unit of the values.
-
-    Examples
-    --------
-    >>> mean_of((1.0, 2.0, 9.0), (True, True, False)), mean_of((1.0,), (False,))
-    (1.5, nan)
-
-    """
-    chosen = [value for value, use in zip(values, used) if use]
-    return sum(chosen) / len(chosen) if chosen else math.nan
-
-
-class Disagreement(NamedTuple):
-    """
-    How far wheels have gone since the comparison before, and who is left out.
-
-    Parameters
-    ----------
-    travels : tuple of float
-        How far each of n wheels has gone [rad]; NaN: it says nothing.
-    left_out : tuple of bool
-        Whether each of them is left out.
-
-    Examples
-    --------
-    >>> seen = Disagreement(travels=(0.0, 4.0), left_out=(True, False))
-    >>> [travel for travel, out in zip(seen.travels, seen.left_out) if out]
-    [0.0]
-
-    """
-
-    travels: Floats
-    left_out: Flags
 
 
 class SideTrack(NamedTuple):
@@ -256,27 +205,13 @@ class SideTrack(NamedTuple):
                 abs(travel) == longest and count >= LEAST_CHANGES
                 for travel, count in zip(travels, self.changes)):
             return self, self.position
-        apart, left_out = self._judged(travels, known, abs(other - self.start_other))
+        apart, left_out = judged(
+            travels, known, self.left_out, abs(other - self.start_other))
         disagreement = Disagreement(travels, left_out) if apart else None
         track = self._replace(disagreement=disagreement)
         if left_out != self.left_out:
             track = track._without(left_out, heard, travels)
         return track._anew(heard, other), track.position
-
-    def _judged(
-            self, travels: Floats, known: Sequence[float], other: float) -> Tuple[bool, Flags]:
-        """Return whether the wheels differ, and who is to be left out."""
-        longest, middle = max(map(abs, known)), _median(known)
-        unheard = tuple(out and travel != travel for travel, out in zip(travels, self.left_out))
-        if max(known) - min(known) <= SHARE * longest:
-            return any(unheard), unheard
-        apart = tuple(abs(travel - middle) > SHARE * longest for travel in travels)
-        if 0 < 2 * sum(apart) < len(known):
-            return True, tuple(a or b for a, b in zip(apart, unheard))
-        stand = tuple(abs(travel) < STANDS * longest for travel in travels)
-        if any(stand) and other >= SHARE * longest:
-            return True, tuple(a or b for a, b in zip(stand, unheard))
-        return True, self.left_out
 
     def _without(self, left_out: Flags, heard: Flags, travels: Floats) -> 'SideTrack':
         """Return the track with the way since the comparison before without those left out."""
@@ -289,8 +224,3 @@ class SideTrack(NamedTuple):
             position=position, used=used, left_out=left_out, offsets=tuple(
                 position - reading if use else math.nan
                 for reading, use in zip(self.readings, used)))
-
-
-def _median(values: Sequence[float]) -> float:
-    ordered, half = sorted(values), len(values) // 2
-    return ordered[half] if len(values) % 2 else 0.5 * (ordered[half - 1] + ordered[half])

@@ -48,7 +48,7 @@ def initial_odometry(
     """Return the odometry that has heard nothing yet."""
     pose, moments = initial_pose(values)
     return Odometry.starting_at(
-        pose, geometry=geometry, timeout_ns=timeout_ns, slip_variances=slip_variances)._replace(
-            moments=moments, max_rate=encoder_bound(values), unmeasured=MeasuredWheels(
-                values['extrapolate_positions'],
-                RateWindow(values['velocity_rolling_window_size'])))
+        pose, geometry=geometry, timeout_ns=timeout_ns, slip_variances=slip_variances,
+        max_rate=encoder_bound(values), unmeasured=MeasuredWheels(
+            values['extrapolate_positions'],
+            RateWindow(values['velocity_rolling_window_size']))).with_moments(moments)

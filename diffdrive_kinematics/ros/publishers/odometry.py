@@ -18,7 +18,7 @@ from typing import Any, Mapping, NamedTuple, Optional, Sequence, Tuple, TYPE_CHE
 
 from diffdrive_kinematics.core.kinematics import compose, inverse
 from diffdrive_kinematics.core.noise import twist_covariance
-from diffdrive_kinematics.core.odometry import odometry as core
+import diffdrive_kinematics.core.odometry as core
 from diffdrive_kinematics.core.odometry import OdometryHistory, WheelPair
 from diffdrive_kinematics.ros.messages.codec import OdometryCodec
 from diffdrive_kinematics.ros.messages.messages import check_stamp, nanoseconds, pose_in_plane

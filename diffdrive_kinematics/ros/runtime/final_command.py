@@ -13,10 +13,10 @@
 # limitations under the License.
 
 """
-The last word of a node that goes, and that it is heard.
+The final command of a node that ends, and that it is heard.
 
 A publisher that goes takes along what has not arrived.  DDS asks for acknowledgement at its next
-heartbeat, up to 3 s later, or as soon as a queue is full: so the last word is repeated until it is
+heartbeat, up to 3 s later, or as soon as a queue is full: so the command is repeated until it is
 acknowledged, slowly enough to push nothing out of the reader's queue.  Who listens best-effort
 never acknowledges: there it is said three times.
 """
@@ -51,7 +51,7 @@ def repeat_until_heard(node: Node, say: Callable[[], Sequence[Publisher]]) -> No
             return
         say()
     if publishers:
-        node.get_logger().warning('the last word of this node was not acknowledged')
+        node.get_logger().warning('the final command of this node was not acknowledged')
 
 
 def _heard_without_acknowledgement(node: Node, publisher: Publisher) -> bool:

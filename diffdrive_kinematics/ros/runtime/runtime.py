@@ -13,12 +13,11 @@
 # limitations under the License.
 
 """
-What a node may ask of the world, and who answers: the interface, and its plain implementation.
+What a node may ask of the world, and the plain answer: rclpy's own timers and callbacks.
 
-``runtimes.py`` has the two others, and decides which of them a node gets.
+``runtimes.py`` has the two other answers, and decides which of them a node gets.
 """
 
-from abc import ABC, abstractmethod
 from typing import Any, Callable, Optional, Sequence
 
 from diffdrive_kinematics.ros.parameters.qos import best_effort as hearing_all
@@ -36,21 +35,42 @@ from rclpy.qos import QoSProfile
 from rclpy.service import Service
 from rclpy.subscription import Subscription
 
-__all__ = ['PlainRuntime', 'Runtime']
+__all__ = ['Runtime']
 
 
-class Runtime(ABC):
-    """The time, timers, topics and services of a node."""
+class Runtime:
+    """
+    The time, timers, topics and services of a node: all that it asks of the world.
 
-    clock: Clock
+    Here they are rclpy's own timers and callbacks: on real and simulated time, in any executor,
+    by any rmw.
+
+    Parameters
+    ----------
+    node : Node
+        That asks.
+    rejections : Rejections
+        Where what is refused is counted.
+    endpoints : Endpoints, optional
+        That make its publishers and subscriptions.
+
+    """
+
     needs_wakeup = False  # whether something comes that cannot wait for a tenth of a second
     is_stepped = False  # whether time waits until all that was sent is handled
 
-    @abstractmethod
+    def __init__(
+            self, node: Node, rejections: Rejections,
+            endpoints: Optional[Endpoints] = None) -> None:
+        self._node, self._rejections = node, rejections
+        self._endpoints = endpoints or Endpoints(node)
+        self.clock = node.get_clock()
+        self._time = time_of(self.clock)
+
     def now_ns(self) -> int:
         """Return the time [ns] on the node's clock."""
+        return self._time()
 
-    @abstractmethod
     def every(
             self, rate: float, callback: Callable[[], None], *, steadily: bool = False) -> Any:
         """
@@ -59,10 +79,17 @@ class Runtime(ABC):
         Real time is kept by the steady clock: a wall clock that is stepped back would stall a
         timer of the node's own clock (rclpy issue 1490).
         """
+        self.needs_wakeup = True
+        clock = self.clock
+        if steadily or not clock.ros_time_is_active:
+            clock = Clock(clock_type=ClockType.STEADY_TIME)
+        return self._node.create_timer(period_ns(rate) / 1e9, callback, clock=clock)
 
-    @abstractmethod
     def stop_timer(self, timer: Any) -> None:
         """Never let a timer fire again."""
+        timer.cancel()
+        if not isinstance(timer, Timer):
+            self._node.destroy_timer(timer)
 
     def retimed(self, timer: Any, rate: float, callback: Callable[[], None]) -> Any:
         """Return the timer, or one in its place where it has another rate [Hz]."""
@@ -71,13 +98,12 @@ class Runtime(ABC):
         self.stop_timer(timer)
         return self.every(rate, callback)
 
-    @abstractmethod
     def publish(
             self, message_type: type, topic: str,
             profile: Optional[QoSProfile] = None) -> Publisher:
         """Return a publisher, reliable where no profile says otherwise."""
+        return self._endpoints.publisher(message_type, topic, profile)
 
-    @abstractmethod
     def listen(
             self, message_type: type, topic: str, callback: Callable[..., None], *,
             raw: bool = False, informed: bool = False, best_effort: bool = False,
@@ -99,84 +125,6 @@ class Runtime(ABC):
             Whether no message may wait for a tenth of a second (see ``running.spin``).
 
         """
-
-    @abstractmethod
-    def poll(
-            self, message_type: type, topic: str,
-            callback: Callable[[bytes, MessageInfo], None]) -> Poll:
-        """Return what may let serialised messages wait until it is asked to hand them on."""
-
-    @abstractmethod
-    def unlisten(self, subscription: Subscription) -> None:
-        """End a subscription."""
-
-    @abstractmethod
-    def serve(
-            self, service_type: type, name: str, callback: Callable[[Any, Any], Any]) -> Service:
-        """
-        Return a service; ``callback`` fills in the response to a request and returns it.
-
-        A ``ValueError`` of the callback refuses the request.
-        """
-
-    @abstractmethod
-    def conclude(self, say: Callable[[], Sequence[Publisher]]) -> None:
-        """Have the final command said, and see that it is heard."""
-
-
-class PlainRuntime(Runtime):
-    """
-    rclpy's own timers and callbacks: on real and simulated time, in any executor, by any rmw.
-
-    Parameters
-    ----------
-    node : Node
-        That asks.
-    rejections : Rejections
-        Where what is refused is counted.
-    endpoints : Endpoints, optional
-        That make its publishers and subscriptions.
-
-    """
-
-    def __init__(
-            self, node: Node, rejections: Rejections,
-            endpoints: Optional[Endpoints] = None) -> None:
-        self._node, self._rejections = node, rejections
-        self._endpoints = endpoints or Endpoints(node)
-        self.clock = node.get_clock()
-        self._time = time_of(self.clock)
-
-    def now_ns(self) -> int:
-        """Return the time [ns] on the node's clock."""
-        return self._time()
-
-    def every(
-            self, rate: float, callback: Callable[[], None], *, steadily: bool = False) -> Any:
-        """Return a timer that calls back at a rate [Hz]."""
-        self.needs_wakeup = True
-        clock = self.clock
-        if steadily or not clock.ros_time_is_active:
-            clock = Clock(clock_type=ClockType.STEADY_TIME)
-        return self._node.create_timer(period_ns(rate) / 1e9, callback, clock=clock)
-
-    def stop_timer(self, timer: Any) -> None:
-        """Never let a timer fire again."""
-        timer.cancel()
-        if not isinstance(timer, Timer):
-            self._node.destroy_timer(timer)
-
-    def publish(
-            self, message_type: type, topic: str,
-            profile: Optional[QoSProfile] = None) -> Publisher:
-        """Return a publisher, reliable where no profile says otherwise."""
-        return self._endpoints.publisher(message_type, topic, profile)
-
-    def listen(
-            self, message_type: type, topic: str, callback: Callable[..., None], *,
-            raw: bool = False, informed: bool = False, best_effort: bool = False,
-            needs_wakeup: bool = True) -> Subscription:
-        """Return a subscription; see :class:`Runtime`."""
         self.needs_wakeup = self.needs_wakeup or needs_wakeup
         return self._endpoints.subscription(
             message_type, topic, self._heard(topic, callback, informed),
@@ -192,7 +140,7 @@ class PlainRuntime(Runtime):
     def poll(
             self, message_type: type, topic: str,
             callback: Callable[[bytes, MessageInfo], None]) -> Poll:
-        """Hand messages on as they come."""
+        """Return what may let serialised messages wait until it is asked to hand them on."""
         self.listen(message_type, topic, callback, raw=True, informed=True)
         return Poll()
 
@@ -202,9 +150,13 @@ class PlainRuntime(Runtime):
 
     def serve(
             self, service_type: type, name: str, callback: Callable[[Any, Any], Any]) -> Service:
-        """Return a service; see :class:`Runtime`."""
+        """
+        Return a service; ``callback`` fills in the response to a request and returns it.
+
+        A ``ValueError`` of the callback refuses the request.
+        """
         return self._node.create_service(service_type, name, callback)
 
     def conclude(self, say: Callable[[], Sequence[Publisher]]) -> None:
-        """Have the final command said until it is heard."""
+        """Have the final command said, and see that it is heard."""
         repeat_until_heard(self._node, say)

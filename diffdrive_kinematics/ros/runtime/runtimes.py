@@ -23,7 +23,7 @@ from diffdrive_kinematics.ros.runtime.in_flight_messages import InFlightMessages
 from diffdrive_kinematics.ros.runtime.polling import Poll, QUEUE_DEPTH, QueuePoll
 from diffdrive_kinematics.ros.runtime.rclpy_private import HAS_LEAN_PATH, MessageInfo, UNKNOWN
 from diffdrive_kinematics.ros.runtime.rejections import Rejections
-from diffdrive_kinematics.ros.runtime.runtime import PlainRuntime, Runtime
+from diffdrive_kinematics.ros.runtime.runtime import Runtime
 from rclpy.publisher import Publisher
 from rclpy.qos import QoSProfile
 from rclpy.subscription import Subscription
@@ -36,7 +36,7 @@ STEPPED_QUEUE_DEPTH = 1000  # other processes cannot hold up time that is steppe
 NOTES_ARRIVAL = ('rmw_fastrtps_cpp', 'rmw_fastrtps_dynamic_cpp', 'rmw_zenoh_cpp')
 
 
-class SteppedRuntime(PlainRuntime):
+class SteppedRuntime(Runtime):
     """Time that all nodes of a process share; their messages are counted until handled."""
 
     is_stepped = True
@@ -83,7 +83,7 @@ class SteppedRuntime(PlainRuntime):
         say()
 
 
-class LeanRuntime(PlainRuntime):
+class LeanRuntime(Runtime):
     """Timers that ``running.spin`` fires, in which wheel motion is taken from its queue."""
 
     def __init__(self, node: Any, rejections: Rejections, timers: SteadyTimers) -> None:
@@ -130,7 +130,7 @@ def runtime_of(
     Parameters
     ----------
     node, rejections :
-        As for ``PlainRuntime``; the node leaves out those ``polled`` of its subscriptions.
+        As for ``Runtime``; the node leaves out those ``polled`` of its subscriptions.
     stepped, in_flight : optional
         Clock and counter that the nodes of a process on stepped time share.
     timers : SteadyTimers, optional
@@ -141,4 +141,4 @@ def runtime_of(
         return SteppedRuntime(node, rejections, stepped, in_flight or InFlightMessages())
     if timers and HAS_LEAN_PATH:
         return LeanRuntime(node, rejections, timers)
-    return PlainRuntime(node, rejections)
+    return Runtime(node, rejections)

@@ -101,7 +101,7 @@ def test_a_clock_that_agrees_is_not_mapped_by_a_bit():
     _, odometry = driven(base(), driver.messages(3.0))
     assert not odometry.clock.apart
     time = odometry.motion.anchor_ns + 3 * S + 7
-    unmapped = odometry._replace(clock=base().clock)
+    unmapped = odometry._replace(wheels=odometry.wheels._replace(clock=base().clock))
     assert odometry.predict(time) == unmapped.predict(time)
 
 

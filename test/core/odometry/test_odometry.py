@@ -19,7 +19,7 @@ from itertools import accumulate
 import math
 
 from diffdrive_kinematics.core.kinematics import (
-    advance, Pose, pose_change_from_travel, RunningSum, travel_from_angles, twist_from_wheel_rates,
+    advance, Pose, pose_change_from_travel, travel_from_angles, twist_from_wheel_rates,
     WheelGeometry)
 from diffdrive_kinematics.core.noise import NO_COVARIANCE, PoseCovariance
 from diffdrive_kinematics.core.odometry import MeasuredWheels, Odometry, Verdict, WheelSample
@@ -34,7 +34,10 @@ T = S // 2
 NOW = 1000 * S
 GEOMETRY = WheelGeometry(0.4, 0.1, 1.1, 0.9, 1.2)
 START = Odometry.starting_at(Pose(1.0, -2.0, 3.0), geometry=GEOMETRY, timeout_ns=T)
-UNEXTRAPOLATED = START._replace(unmeasured=MeasuredWheels(extrapolates=False))
+UNTIMED = Odometry.starting_at(Pose(1.0, -2.0, 3.0), geometry=GEOMETRY, timeout_ns=None)
+UNEXTRAPOLATED = Odometry.starting_at(
+    Pose(1.0, -2.0, 3.0), geometry=GEOMETRY, timeout_ns=T,
+    unmeasured=MeasuredWheels(extrapolates=False))
 A, B, STILL = (5.0, 7.0), (-3.0, 4.0), (0.0, 0.0)
 pairs = st.tuples(st.floats(-10.0, 10.0), st.floats(-10.0, 10.0))
 schedules = st.lists(
@@ -158,7 +161,8 @@ def test_a_sample_at_or_before_the_anchor_changes_nothing():
     for stamp in (2 * S, 2 * S - 1, S):
         after, verdict = odometry.update(WheelSample(stamp, A), 2 * S)
         assert verdict is Verdict.OUT_OF_ORDER
-        assert after._replace(clock=odometry.clock) == odometry
+        wheels = after.wheels._replace(clock=odometry.clock)
+        assert after._replace(wheels=wheels) == odometry
 
 
 @pytest.mark.parametrize('stamp', [-9 * S, NOW + 9 * S])
@@ -393,7 +397,7 @@ def test_a_base_that_is_put_elsewhere_stands_there_and_then_moves_on_by_what_whe
     if not with_rates:
         samples = [replace(sample, rates=None) for sample in samples]
     when = samples[-1].stamp_ns + after
-    before = fed(START._replace(timeout_ns=None), samples)
+    before = fed(UNTIMED, samples)
     placed = before.set_pose(Pose(-3.0, 4.0, 0.5), NO_COVARIANCE, when)
     reading = placed.predict(when + 10 * S)
     assert (reading.pose, reading.twist, reading.rates) == (
@@ -406,12 +410,10 @@ def test_a_base_that_is_put_elsewhere_stands_there_and_then_moves_on_by_what_whe
         (last[0] + angle[0] + 0.3, last[1] + angle[1] + 0.3), '/driver#1')
     moved, verdict = placed.update(following, NOW)
     assert verdict is Verdict.MOVED
-    expected = START._replace(
-        x=RunningSum(-3.0), y=RunningSum(4.0), theta=RunningSum(0.5))._rolled(
-            (0.3, 0.3), None, START.clock)
-    assert_same_reading(
-        moved.predict(following.stamp_ns)._replace(angles=STILL, rates=STILL),
-        expected.predict(0)._replace(angles=STILL, rates=STILL), 1e-9)
+    expected = advance(Pose(-3.0, 4.0, 0.5), *twist_from_wheel_rates(GEOMETRY, 0.3, 0.3))
+    got = moved.predict(following.stamp_ns)
+    assert got.pose == pytest.approx(expected, abs=1e-9)
+    assert got.twist == twist_from_wheel_rates(GEOMETRY, *got.rates)
 
 
 def test_a_base_that_is_put_elsewhere_has_the_covariance_and_the_angles_that_are_asked_for():
@@ -503,7 +505,7 @@ def test_what_was_driven_stays_driven_however_far_ahead_the_publishers_clock_is(
 def test_a_lost_change_of_the_rates_costs_the_arc_of_one_message_however_long_they_were_held(
         repeats, before, after, change_ms):
     """Rates were held for repeats * 20 ms, changed within the next 20 ms, and that was lost."""
-    start = START._replace(timeout_ns=None)
+    start = UNTIMED
     change = repeats * 20 * MS + change_ms * MS
     times = [number * 20 * MS for number in range(repeats + 1)]
     samples = [WheelSample(S + time, before, scaled(before, time), '/driver#1') for time in times]
@@ -529,9 +531,12 @@ def scaled(rates, time_ns):
 
 @given(heading=st.floats(-1e6, 1e6), left=st.floats(-1e6, 1e6), right=st.floats(-1e6, 1e6))
 def test_its_arc_is_that_of_advance_to_the_last_bit(heading, left, right):
-    """It is written out in odometry for speed, and must not drift away from the one arc."""
-    odometry = START._replace(theta=RunningSum(heading))
+    odometry = Odometry.starting_at(
+        Pose(0.0, 0.0, heading), geometry=GEOMETRY, timeout_ns=None)
     distance, turn = pose_change_from_travel(
-        odometry.geometry, *travel_from_angles(odometry.geometry, left, right))
-    arc = advance(Pose(0.0, 0.0, odometry._heading()), distance, turn)
-    assert odometry._change(left, right) == (arc.x, arc.y, turn)
+        GEOMETRY, *travel_from_angles(GEOMETRY, left, right))
+    arc = advance(Pose(0.0, 0.0, odometry.anchor.heading), distance, turn)
+    odometry = fed(odometry, [
+        WheelSample(S, STILL, STILL, '/driver#1'),
+        WheelSample(2 * S, A, (left, right), '/driver#1')])
+    assert (odometry.anchor.x.value, odometry.anchor.y.value) == (arc.x, arc.y)

@@ -73,7 +73,7 @@ def test_it_grows_within_a_leg_and_looking_changes_nothing():
 
 def test_wheels_that_do_not_slip_leave_no_covariance():
     odometry = fed(PLAIN, SAMPLES)
-    assert odometry.moments is CERTAIN
+    assert odometry.anchor.moments is CERTAIN
     assert odometry.covariance_at(END) is NO_COVARIANCE
 
 

@@ -36,7 +36,8 @@ def test_the_last_minutes_of_a_drive_of_30_hours_are_as_exact_as_the_first():
     course = Course()
     start = Odometry.starting_at(
         Pose(1e4, -2e4, TURNED), geometry=course.geometry, timeout_ns=None)
-    start = start._replace(left=RunningSum(ROLLED), right=RunningSum(ROLLED))
+    start = start._replace(wheels=start.wheels._replace(
+        left=RunningSum(ROLLED), right=RunningSum(ROLLED)))
     reading = course.driven(LAPS, start)
     x, y, theta = course.exact(LAPS, (1e4, -2e4, TURNED))
     off = math.hypot(reading.pose.x - float(x), reading.pose.y - float(y))

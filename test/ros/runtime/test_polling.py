@@ -112,7 +112,7 @@ def test_without_a_stamp_wheel_motion_holds_from_when_it_came_not_from_when_it_w
         base.node._wheel_motion.take()
         assert base.node.health.statistics.count == 20
         least, most = heard_ns[-1] - heard_ns[0], time.time_ns() - begun
-        assert 0.5e-9 * least < base.node._odometry.right.value < 1e-9 * most
+        assert 0.5e-9 * least < base.node._odometry.wheels.right.value < 1e-9 * most
 
 
 def test_wheel_motion_is_heard_when_the_base_is_asked_where_it_is():
