@@ -21,8 +21,10 @@ from typing import Any, Callable, List, Mapping, NamedTuple, Optional, Sequence,
 
 from diffdrive_kinematics.core.calibration import (
     Clock, COMMANDED, corrected, fit_drive_slip, fit_trajectory, RecordedDrive, ReturnError,
-    slip_from_squares, TrajectoryFit, umbmark, Windows)
+    slip_from_squares, TrajectoryFit, umbmark, Windows, without_frozen_poses)
 from diffdrive_kinematics.core.kinematics import WheelGeometry
+from diffdrive_kinematics.tools.calibration_remarks import (
+    course_remarks, frame_remark, frozen_remark)
 from diffdrive_kinematics.tools.recordings import nobody
 
 __all__ = [
@@ -96,6 +98,8 @@ def of_drives(
         clock: str, commands: bool = False,
         progress: Callable[[str], None] = nobody) -> Calibration:
     """Return the calibration by trajectory fit; ``ValueError`` where the drives allow none."""
+    whole = drives
+    drives = [without_frozen_poses(drive, wheel_radius=geometry.wheel_radius) for drive in whole]
     rounds = count(1)
     keep = values['mean_radius'] == 'keep' or commands and not values['mean_radius']
     fit = fit_trajectory(
@@ -124,7 +128,8 @@ def of_drives(
              1e3 * fit.after.heading))
     return Calibration(
         'trajectory fit', after, (slip.k_left.value, slip.k_right.value), tuple(rows), gains,
-        tuple(_remarks(fit, drives)), (fit, geometry, drives))
+        (*_remarks(fit, drives), *frozen_remark(whole, drives), *frame_remark(fit),
+         *course_remarks(geometry, drives)), (fit, geometry, drives))
 
 
 def _remarks(fit: TrajectoryFit, drives: Sequence[RecordedDrive]) -> List[str]:

@@ -27,7 +27,7 @@ from diffdrive_kinematics.core.calibration.estimate import Estimate
 from diffdrive_kinematics.core.calibration.fit_setup import Clock, NO_FRAME
 from diffdrive_kinematics.core.calibration.gauss_newton import Iteration
 from diffdrive_kinematics.core.calibration.recorded_drive import (
-    drive_from_positions, RecordedDrive)
+    drive_from_positions, RecordedDrive, without_frozen_poses)
 from diffdrive_kinematics.core.calibration.slip_fit import (
     fit_reference_noise, fit_slip, nees_per_dof)
 from diffdrive_kinematics.core.calibration.slip_result import NO_NOISE, ReferenceNoise, SlipFit
@@ -49,4 +49,5 @@ __all__ = [
     'Windows', 'corrected', 'drive_from_commands', 'drive_from_positions', 'drive_from_rates',
     'drive_from_ticks', 'fit_drive_slip', 'fit_reference_noise', 'fit_slip', 'fit_trajectory',
     'linearised', 'nees_per_dof', 'odometry_at', 'slip_from_squares', 'slip_window',
-    'slip_windows', 'umbmark', 'windows_between']
+    'slip_windows', 'umbmark', 'windows_between',
+    'without_frozen_poses']

@@ -110,16 +110,19 @@ def _score_covariance(state: FitState, number: int, gain: Array) -> Array:
     samples = len(state.problem.drives[number].reference)
     size = gain.shape[1]
     pulled = gain @ part.along
-    change = np.zeros((len(part.travel) + 1, size, 3))
-    np.add.at(change, part.first, pulled)
-    np.subtract.at(change, part.last + 1, pulled)
+    bounds, at = np.unique(np.concatenate([part.first, part.last + 1]), return_inverse=True)
+    change = np.zeros((len(bounds), size, 3))  # constant from one bound to the next
+    np.add.at(change, at[:len(pulled)], pulled)
+    np.subtract.at(change, at[len(pulled):], pulled)
     carried = np.cumsum(change, axis=0)[:-1]
-    by_slip = np.einsum('npi,nki->nkp', carried, part.elements)
-    heavy = np.abs(part.travel)[..., None] * by_slip
+    spread = np.add.reduceat(part.spread, bounds[:-1], axis=0)
+    if bounds[-1] < len(part.spread):
+        spread[-1] = part.spread[bounds[-2]:bounds[-1]].sum(axis=0)
     by_sample = np.zeros((samples, size, 3))
     np.add.at(by_sample, windows.start, gain @ part.at_start)
     np.add.at(by_sample, windows.end, gain @ part.at_end)
     noise = np.array([variances.position, variances.position, variances.heading])
-    score: Array = (variances.slip * np.tensordot(heavy, by_slip, ((0, 1), (0, 1)))
+    by_slip = np.einsum('bpi,bij,bqj->pq', carried, spread, carried, optimize=True)
+    score: Array = (variances.slip * by_slip
                     + np.tensordot(by_sample * noise, by_sample, ((0, 2), (0, 2))))
     return score

@@ -21,6 +21,7 @@ from typing import List, Optional, Sequence
 from diffdrive_kinematics.core.calibration.calibration_parameters import (
     CalibrationParameters, FRAME, NAMES, WHEELS)
 from diffdrive_kinematics.core.calibration.fit_problem import Column, Problem
+from diffdrive_kinematics.core.calibration.frame_start import frame_from_motion
 from diffdrive_kinematics.core.calibration.recorded_drive import RecordedDrive
 from diffdrive_kinematics.core.calibration.trajectory_windows import Windows, windows_between
 from diffdrive_kinematics.core.kinematics import check_finite, Pose, WheelGeometry
@@ -97,7 +98,7 @@ def problem_of(
     columns = _columns(len(drives), wheels, clock, frame is None)
     if not columns:
         raise ValueError('wheels, frame and clock are all given, expected something to fit')
-    held = [check_finite('frame', float(value)) for value in frame or NO_FRAME]
+    held: Sequence[float] = [check_finite('frame', float(value)) for value in frame or NO_FRAME]
     for n, drive in enumerate(drives):
         wheel, seen = drive.time, drive.reference_time
         if seen[-1] <= wheel[0] or wheel[-1] <= seen[0]:
@@ -113,6 +114,8 @@ def problem_of(
             f'there are {number} windows with motion and a reference at both ends for '
             f'{len(columns)} parameters ({sum(each.in_gaps for each in chosen)} in gaps), '
             f'expected at least {math.ceil(2 * len(columns) / 3) + 2}')
+    if frame is None:
+        held = frame_from_motion(geometry, drives, chosen)
     start = CalibrationParameters(x=held[0], y=held[1], yaw=held[2])
     return Problem(geometry, tuple(drives), chosen, tuple(columns), start, windows.trust)
 

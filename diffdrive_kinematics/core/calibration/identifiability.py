@@ -88,7 +88,7 @@ def refuse_unidentified(state: FitState, *, course: bool = False) -> None:
         said = ', '.join(f'{columns[n].name} (standard error over {limit[n]:.2g})' for n in lost)
         raise ValueError(
             f'the data do not identify {said}, expected drives with straights and curves both '
-            f'ways, or these values given'
+            f'ways'
             if course else
             f'wheels and reference do not agree well enough to tell {said}, though the course '
             f'would: {SAME_DRIVE}')

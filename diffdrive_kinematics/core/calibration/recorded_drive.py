@@ -20,15 +20,18 @@ and may have gaps.  Its yaw may come wrapped; it is unwrapped here once, so samp
 less than half a turn from one to the next are needed.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from diffdrive_kinematics.core.calibration.recorded_rows import latest_rows
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-__all__ = ['RecordedDrive', 'drive_from_positions']
+__all__ = ['RecordedDrive', 'drive_from_positions', 'without_frozen_poses']
 
 Array = NDArray[np.float64]
+
+FROZEN_TRAVEL = 0.05
+"""Travel of the wheels [m] from which a pose that stays the same is none."""
 
 
 @dataclass(frozen=True)
@@ -97,6 +100,43 @@ class RecordedDrive:
         return drive_from_positions(
             self.time[wheels], self.angles[wheels], self.reference_time[seen],
             self.reference[seen])
+
+
+def without_frozen_poses(drive: RecordedDrive, *, wheel_radius: float) -> RecordedDrive:
+    """
+    Return the drive without poses that repeat while the wheels turn, as of a tracker that hangs.
+
+    Parameters
+    ----------
+    drive : RecordedDrive
+        Wheels and reference.
+    wheel_radius : float
+        Radius of both wheels, roughly [m].
+
+    Returns
+    -------
+    RecordedDrive
+        The first of poses that are the same, and those up to 50 mm of travel later, are kept.
+
+    Examples
+    --------
+    >>> stamps = np.arange(6.0)
+    >>> x = np.array([0.0, 1.0, 1.0, 1.0, 4.0, 5.0])
+    >>> drive = drive_from_positions(
+    ...     stamps, 8.0 * np.stack([stamps, stamps], axis=1), stamps,
+    ...     np.stack([x, 0.0 * x, 0.0 * x], axis=1))
+    >>> without_frozen_poses(drive, wheel_radius=0.125).reference[:, 0]
+    array([0., 1., 4., 5.])
+
+    """
+    turned = np.abs(np.diff(drive.angles, axis=0)).mean(axis=1)
+    way = wheel_radius * np.append(0.0, np.cumsum(turned))
+    so_far = np.interp(drive.reference_time, drive.time, way)
+    new = np.append(True, (np.diff(drive.reference, axis=0) != 0.0).any(axis=1))
+    since = np.maximum.accumulate(np.where(new, np.arange(len(new)), 0))
+    kept = so_far - so_far[since] <= FROZEN_TRAVEL
+    return replace(
+        drive, reference_time=drive.reference_time[kept], reference=drive.reference[kept])
 
 
 def drive_from_positions(

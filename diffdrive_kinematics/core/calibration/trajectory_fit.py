@@ -159,8 +159,8 @@ def _solved(problem: Problem, watch: Watch) -> Tuple[FitState, List[Iteration]]:
     windows = sum(len(each.start) for each in problem.windows)
     course = problem.as_the_wheels_tell()
     state = FitState.at(problem, problem.initial(), np.ones(windows), START_VARIANCES)
-    refuse_unidentified(replace(
-        state, problem=course, parts=course.parts(state.values)), course=True)
+    refuse_unidentified(
+        FitState.at(course, course.initial(), state.weights, state.variances), course=True)
     trace = []
     for number in range(ALTERNATING):
         state = _reweighted(state, coarse=number < COARSE)

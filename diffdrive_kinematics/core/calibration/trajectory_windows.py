@@ -20,6 +20,7 @@ noise is then in one place, and no pose is made up in a gap.
 """
 
 from dataclasses import dataclass
+import math
 from typing import NamedTuple, Sequence, Tuple
 
 from diffdrive_kinematics.core.calibration.recorded_drive import RecordedDrive
@@ -145,12 +146,13 @@ def windows_between(
     low, high = max(seen[0], drive.time[0]), min(seen[-1], drive.time[-1])
     starts, ends, lost = [], [], 0
     for length in lengths:
-        begin = np.arange(low, high - length + 1e-9, every)
+        count = max(math.ceil((high - length + 1e-9 - low) / every), 0)
+        begin = _grid_near(seen, low, every, count, tolerance)
         start, end = _nearest(seen, begin), _nearest(seen, begin + length)
         there = ((np.abs(seen[start] - begin) <= tolerance)
                  & (np.abs(seen[end] - begin - length) <= tolerance)
                  & (seen[start] >= low) & (seen[end] <= high) & (end > start))
-        lost += int(np.count_nonzero(~there))
+        lost += count - int(np.count_nonzero(there))
         starts.append(start[there])
         ends.append(end[there])
     start, end = np.concatenate(starts), np.concatenate(ends)
@@ -158,6 +160,15 @@ def windows_between(
     so_far = np.interp(seen, drive.time, way)
     moving = so_far[end] > so_far[start]
     return WindowSet(start[moving], end[moving], lost)
+
+
+def _grid_near(stamps: Array, low: float, every: float, count: int, tolerance: float) -> Array:
+    """Return those of ``low + every k``, k < count, to which a stamp may be near enough."""
+    step, wide = (low + every) - low, 1 + int(tolerance // every)
+    near = np.floor((stamps - low) / step)[:, None] + np.arange(1 - wide, 1 + wide)
+    numbers: Array = np.unique(near).astype(np.float64)
+    found: Array = low + step * numbers[(numbers >= 0) & (numbers < count)]
+    return found
 
 
 def _nearest(stamps: Array, wanted: Array) -> Indices:

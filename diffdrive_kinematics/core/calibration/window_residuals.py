@@ -61,10 +61,8 @@ class WindowResiduals:
         Derivatives with respect to errors (x, y, yaw) of the reference's samples.
     along : numpy.ndarray, shape (w, 3, 3)
         What maps the sum of the a of a window's travel to its error.
-    elements : numpy.ndarray, shape (n - 1, 2, 3)
-        The a of each interval and wheel (see the head of this module).
-    travel : numpy.ndarray, shape (n - 1, 2)
-        Travel of each interval and wheel [m].
+    spread : numpy.ndarray, shape (n - 1, 3, 3)
+        Sum of ``|travel| a a^T`` over both wheels of each interval (see the head of this module).
     first, last : numpy.ndarray of int, shape (w,)
         Intervals in which the windows start and end.
 
@@ -80,8 +78,7 @@ class WindowResiduals:
     at_start: Array
     at_end: Array
     along: Array
-    elements: Array
-    travel: Array
+    spread: Array
     first: Indices
     last: Indices
 
@@ -162,7 +159,7 @@ def linearised(
     error[:, 2] = wrap_angle(error[:, 2])
     jacobian = np.concatenate(
         [-by_wheels, by_frame, by_time[..., None], by_drift[..., None]], axis=2)
-    return WindowResiduals(error, jacobian, slip, at_start, at_end, along, elements, travel,
+    return WindowResiduals(error, jacobian, slip, at_start, at_end, along, spread,
                            nodes.interval[start], nodes.interval[end])
 
 
@@ -176,11 +173,15 @@ def _elements(path: Array, separation: float) -> Array:
 
 def _sums(rows: Array, nodes: Nodes, start: Indices, end: Indices) -> Array:
     """Return the sums of rows of intervals over each window, with parts of the outer ones."""
-    total = np.concatenate([np.zeros((1, *rows.shape[1:])), np.cumsum(rows, axis=0)])
-    part = nodes.fraction.reshape(-1, *(1,) * (rows.ndim - 1))
-    at_nodes = total[nodes.interval] + part * rows[nodes.interval]
-    windows: Array = at_nodes[end] - at_nodes[start]
-    return windows
+    total = np.zeros((len(rows) + 1, *rows.shape[1:]))
+    np.cumsum(rows, axis=0, out=total[1:])
+
+    def until(sample: Indices) -> Array:
+        interval, part = nodes.interval[sample], nodes.fraction[sample, None, None]
+        found: Array = total[interval] + part * rows[interval]
+        return found
+
+    return until(end) - until(start)
 
 
 def _relative(poses: Array, start: Indices, end: Indices) -> Tuple[Array, Array]:

@@ -21,7 +21,7 @@ import math
 
 from diffdrive_kinematics.core.calibration import (
     CalibrationParameters, Clock, drive_from_positions, fit_drive_slip, fit_trajectory,
-    linearised, NO_FRAME, Windows, windows_between)
+    linearised, NO_FRAME, odometry_at, Windows, windows_between, without_frozen_poses)
 from diffdrive_kinematics.core.kinematics import Pose, WheelGeometry
 import numpy as np
 import pytest
@@ -209,6 +209,60 @@ def test_a_constant_course_does_not_tell_the_time():
     steady = drive(0, twists=lambda time: np.tile([0.4, 0.5], (len(time), 1)))
     with pytest.raises(ValueError, match='do not identify.*offset of drive 1'):
         fit_trajectory(GEOMETRY, [steady])
+
+
+def seen_from(centre, frame):
+    """Return the poses of a frame on the robot."""
+    cosine, sine = np.cos(centre[:, 2]), np.sin(centre[:, 2])
+    return centre + np.stack([cosine * frame.x - sine * frame.y, sine * frame.x + cosine * frame.y,
+                              np.full(len(centre), frame.theta)], axis=1)
+
+
+@pytest.mark.parametrize('yaw', np.arange(-math.pi, math.pi, 0.4).round(3).tolist())
+@pytest.mark.parametrize('place', [(0.3, -0.2), (-1.0, 0.0)])
+def test_a_reference_that_sits_anywhere_on_the_robot_is_found(yaw, place):
+    truth = CalibrationParameters(1.012, 0.991, 1.03, *place, yaw)
+    bare = drive(0, disturbance=EXACT)
+    centre = odometry_at(GEOMETRY, bare, truth)
+    exact = replace(bare, reference=seen_from(centre, Pose(*place, yaw)))
+    fit = fit_trajectory(GEOMETRY, [exact], clock=Clock.NONE)
+    np.testing.assert_allclose([each.value for each in found(fit)[:6]], truth[:6], atol=1e-6)
+
+
+@pytest.mark.parametrize('yaw', [-3.0, -1.6, 1.5, 3.1])
+def test_a_reference_turned_on_a_real_robot_gives_the_same_wheels(yaw):
+    drives, nominal = [*map(encoder_drive, RUNS)], WheelGeometry(SEPARATION, RADIUS)
+    turned = [replace(each, reference=each.reference + [0.0, 0.0, yaw]) for each in drives]
+    as_was, now = (found(fit_trajectory(nominal, each)) for each in (drives, turned))
+    for one, other in zip(as_was[:5], now[:5]):
+        assert other.value == pytest.approx(one.value, abs=1e-4)
+    assert math.remainder(now[5].value - as_was[5].value - yaw, math.tau) == pytest.approx(
+        0.0, abs=1e-4)
+
+
+def test_a_gap_of_years_costs_nothing():
+    near = drive(0)
+    late = near.reference_time[-1] + 1e9
+    far = replace(
+        near, time=np.append(near.time, late), angles=np.vstack([near.angles, near.angles[-1:]]),
+        reference_time=np.append(near.reference_time, late),
+        reference=np.vstack([near.reference, near.reference[-1:]]))
+    here, there = (windows_between(each, (2.0, 10.0), 0.5, 0.1) for each in (near, far))
+    np.testing.assert_array_equal(here.start, there.start)
+    np.testing.assert_array_equal(here.end, there.end)
+    assert there.in_gaps > 1e9
+
+
+def test_a_tracker_that_hangs_does_not_move_the_fit():
+    whole = drive(2)
+    poses = whole.reference.copy()
+    poses[300:420] = poses[300]
+    kept = without_frozen_poses(replace(whole, reference=poses), wheel_radius=0.04)
+    clean, fit = (fit_trajectory(GEOMETRY, [each]) for each in (whole, kept))
+    for one, other in zip(found(clean), found(fit)):
+        assert abs(one.value - other.value) < 3.0 * one.error
+    assert 110 < len(poses) - len(kept.reference) < 120
+    assert without_frozen_poses(whole, wheel_radius=0.04).reference.shape == poses.shape
 
 
 def test_each_step_of_the_search_is_told_and_kept():

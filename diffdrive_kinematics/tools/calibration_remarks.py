@@ -1,0 +1,72 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""What a user should know about the drives of a calibration, in sentences."""
+
+import math
+from typing import List, Sequence
+
+from diffdrive_kinematics.core.calibration import RecordedDrive, TrajectoryFit
+from diffdrive_kinematics.core.kinematics import WheelGeometry
+import numpy as np
+
+__all__ = ['course_remarks', 'frame_remark', 'frozen_remark']
+
+PERIOD_S = 0.5
+"""Time over which wheel motion is taken together: single ticks look like turns."""
+FEWEST_TURNED = 0.2
+"""Share of all turning that curves to one side should be at least."""
+
+
+def frozen_remark(whole: Sequence[RecordedDrive], kept: Sequence[RecordedDrive]) -> List[str]:
+    """Return how many poses of a tracker that hung were left out, if there are any."""
+    number = sum(len(drive.reference) for drive in whole) - sum(
+        len(drive.reference) for drive in kept)
+    if not number:
+        return []
+    return [f'{number} poses of the reference were left out: they repeat the one before while '
+            'the wheels turn (does the tracker hang?)']
+
+
+def frame_remark(fit: TrajectoryFit) -> List[str]:
+    """Return a remark where the reference looks backwards."""
+    if abs(fit.frame_yaw.value) <= 0.5 * math.pi:
+        return []
+    return [f'the reference looks backwards on the robot (yaw {fit.frame_yaw.value:.2f} rad): if '
+            'it does not, left and right wheel are swapped or counted backwards']
+
+
+def course_remarks(geometry: WheelGeometry, drives: Sequence[RecordedDrive]) -> List[str]:
+    """Return what is missing in the courses: curves, or curves to one side."""
+    steps = [np.diff(drive.angles[_first_rows(drive.time)], axis=0) for drive in drives]
+    left, right = (np.concatenate(steps) * [geometry.left_radius, geometry.right_radius]).T
+    turned = (right - left) / geometry.separation
+    total = np.abs(turned).sum()
+    if not total:
+        return []
+    curve = left * right > 0.0
+    to_left, to_right = (np.maximum(way * turned, 0.0)[curve].sum() for way in (1.0, -1.0))
+    if to_left + to_right < FEWEST_TURNED * total:
+        return ['the drives turn on the spot almost only: drive curves to both sides as well, '
+                'which a robot that curves will be better predicted by']
+    for side, turning in (('left', to_left), ('right', to_right)):
+        if turning < FEWEST_TURNED * (to_left + to_right):
+            return [f'the drives have almost no curves to the {side}: drive some, as errors of '
+                    'one side can hide in the wheels']
+    return []
+
+
+def _first_rows(time: np.ndarray) -> np.ndarray:
+    """Return the first row of each period, shape (k,)."""
+    return np.unique(np.floor((time - time[0]) / PERIOD_S), return_index=True)[1]

@@ -1,0 +1,62 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""What is remarked upon: courses that tell little, frozen poses, a reference that looks back."""
+
+from dataclasses import replace
+
+from diffdrive_kinematics.tools.calibration import of_drives, table
+from diffdrive_kinematics.tools.calibration_remarks import course_remarks
+import numpy as np
+import pytest
+from support.drives import curved_twists, drive, GEOMETRY, Truth
+
+VALUES = {'mean_radius': '', 'equal_slip': True}
+
+
+def spot_and_straight(time):
+    """Return straights with turns on the spot between them."""
+    turning = np.sin(0.5 * time) > 0.0
+    return np.stack([np.where(turning, 0.0, 0.4), np.where(turning, 0.8, 0.0)], axis=1)
+
+
+def left_only(time):
+    """Return a course that curves to the left alone."""
+    return np.abs(curved_twists(time))
+
+
+@pytest.mark.parametrize('twists, words', [
+    (spot_and_straight, 'on the spot'), (left_only, 'no curves to the right'),
+    (lambda time: left_only(time) * [1.0, -1.0], 'no curves to the left')])
+def test_a_course_that_tells_little_is_remarked_upon(twists, words):
+    remark, = course_remarks(GEOMETRY, [drive(0, twists=twists)])
+    assert words in remark
+
+
+def test_a_good_course_is_not_remarked_upon():
+    assert course_remarks(GEOMETRY, [drive(0)]) == []
+    assert course_remarks(GEOMETRY, [drive(0, twists=left_only), drive(
+        1, twists=lambda time: left_only(time) * [1.0, -1.0])]) == []
+
+
+def test_frozen_poses_and_a_reference_that_looks_back_are_in_the_report():
+    whole = drive(0, Truth(yaw=3.0))
+    poses = whole.reference.copy()
+    poses[300:420] = poses[300]
+    report = table(of_drives(
+        VALUES, GEOMETRY, [replace(whole, reference=poses)], clock='offsets'))
+    assert 'poses of the reference were left out' in report
+    assert 'looks backwards on the robot (yaw 3.00 rad)' in report
+    assert 'looks backwards' not in table(of_drives(
+        VALUES, GEOMETRY, [drive(0)], clock='offsets'))
