@@ -34,9 +34,11 @@ def _start(name: str) -> None:
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, lambda *_: sys.exit(0))
     gc.disable()  # what is imported stays: to look for garbage in it takes a tenth of the start
+    from diffdrive_kinematics.ros.runtime.command_line import answer_arguments
     module = import_module(f'diffdrive_kinematics.nodes.{name}')
     gc.freeze()
     gc.enable()
+    answer_arguments(name, module.__doc__, sys.argv)
     module.main()
 
 

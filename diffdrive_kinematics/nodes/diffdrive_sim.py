@@ -26,6 +26,7 @@ from diffdrive_kinematics.ros.parameters.package_share import with_params_file
 from diffdrive_kinematics.ros.parameters.tables import DIFFDRIVE_SIM
 from diffdrive_kinematics.ros.runtime.alone import check_alone, Disturbed, keep_to_this_machine
 from diffdrive_kinematics.ros.runtime.clocks import SteadyTimers, SteppedClock
+from diffdrive_kinematics.ros.runtime.command_line import DEMO, way_on
 from diffdrive_kinematics.ros.runtime.in_flight_messages import InFlightMessages
 from diffdrive_kinematics.ros.runtime.node import DiffDriveNode
 from diffdrive_kinematics.ros.runtime.output import exit_status, report, show
@@ -239,9 +240,14 @@ def _work(stop: Stop) -> int:
 def main() -> None:
     """Run ``diffdrive_sim``."""
     argv = with_params_file(sys.argv, 'demo.yaml')
-    if argv is not sys.argv:
-        keep_to_this_machine(os.environ)
-    sys.exit(run(work, argv))
+    if argv is sys.argv:
+        sys.exit(run(work))
+    show(DEMO)
+    keep_to_this_machine(os.environ)
+    sys.argv, program = argv, sys.argv[0]
+    if not (status := run(work)):
+        show(way_on(program))
+    sys.exit(status)
 
 
 if __name__ == '__main__':

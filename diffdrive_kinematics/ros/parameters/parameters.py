@@ -29,7 +29,7 @@ from diffdrive_kinematics.ros.parameters.configuration_error import Configuratio
 from diffdrive_kinematics.ros.parameters.descriptors import descriptor_of
 from diffdrive_kinematics.ros.parameters.parameter_spec import Kind, ParameterSpec
 from diffdrive_kinematics.ros.parameters.sections import (
-    doubts, misplaced, params_files, sections_of)
+    doubts, misplaced, params_files, sections_of, shadowed)
 from diffdrive_kinematics.ros.parameters.unknown_names import aliased, report_unknown
 from rcl_interfaces.msg import SetParametersResult
 from rclpy.node import Node
@@ -237,5 +237,6 @@ class ParameterSet(Generic[Config]):
         """Report sections, and names in them, that were probably meant for another node."""
         sections, node = sections_of(params_files(argv)), self._node.get_fully_qualified_name()
         for text in (*doubts(sections, node, tuple(self._table.values()), given, neighbours),
-                     *misplaced(sections, node, self._table)):
+                     *misplaced(sections, node, self._table),
+                     *shadowed(sections, node, argv)):
             self._node.get_logger().warning(text)

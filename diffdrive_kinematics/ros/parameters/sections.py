@@ -27,7 +27,9 @@ from typing import (
 from diffdrive_kinematics.ros.parameters.parameter_spec import ParameterSpec
 from diffdrive_kinematics.ros.parameters.tables import KNOWN_NAMES, TABLES
 
-__all__ = ['Section', 'doubts', 'matches', 'misplaced', 'params_files', 'sections_of']
+__all__ = [
+    'Section', 'doubts', 'matches', 'misplaced', 'params_files', 'sections_of',
+    'shadowed']
 
 PARAMETERS = 'ros__parameters'
 ALIKE = 0.9  # of difflib: one letter of ten
@@ -168,6 +170,35 @@ def misplaced(
                             if set(names) & {entry.name for entry in table})
             yield (f"section '{section.key}' of {section.file} sets {', '.join(names)}, which "
                    f"{node} does not know but {', '.join(owners)}: put it under '/**'")
+
+
+def shadowed(sections: Sequence[Section], node: str, argv: Sequence[str]) -> Iterator[str]:
+    """
+    Yield a warning for each ``-p NAME:=VALUE`` that a node does not obey.
+
+    It is for all nodes, as ``/**`` of a params file is, and the section of a node beats both.
+
+    Parameters
+    ----------
+    sections : sequence of Section
+        Of all params files.
+    node : str
+        Full name of the node.
+    argv : sequence of str
+        The command line.
+
+    """
+    rules = [rule for option, rule in zip(argv, argv[1:]) if option in ('-p', '--param')]
+    name = node.rpartition('/')[2]
+    for rule in rules:
+        parameter = rule.partition(':=')[0]
+        if any(other.startswith((f'{name}:{parameter}:=', f'{node}:{parameter}:='))
+               for other in rules):
+            continue
+        for section in sections:
+            if parameter in section.names and section.node and matches(section.key, node):
+                yield (f"-p {rule} does not reach {node}, as section '{section.key}' of "
+                       f'{section.file} sets {parameter} too: use -p {name}:{rule}')
 
 
 def _kin(table: Sequence[ParameterSpec]) -> Set[str]:
