@@ -22,6 +22,7 @@ import time
 from typing import Any, Dict, List, Mapping, Optional, Tuple, Type, TYPE_CHECKING
 
 from diffdrive_kinematics.ros.parameters.configuration_error import ConfigurationError
+from diffdrive_kinematics.ros.parameters.members import Member, members_of
 from diffdrive_kinematics.ros.parameters.package_share import with_params_file
 from diffdrive_kinematics.ros.parameters.tables import DIFFDRIVE_SIM
 from diffdrive_kinematics.ros.runtime.alone import check_alone, Disturbed, keep_to_this_machine
@@ -52,15 +53,6 @@ REST_TIMEOUT_NS = 5_000_000_000
 
 
 @dataclass(frozen=True)
-class Member:
-    """A node to compose: its class, its name, and the namespace where the name has one."""
-
-    kind: str
-    name: str
-    namespace: str
-
-
-@dataclass(frozen=True)
 class Config:
     """What the composition is set to."""
 
@@ -71,22 +63,8 @@ class Config:
 
 def build(values: Mapping[str, Any]) -> Config:
     """Return the configuration of parameter values, or raise ``ValueError``."""
-    members = tuple(map(_member, values['nodes']))
-    if not members:
-        raise ValueError(f"nodes is empty, expected 'class' or 'class:name' of {list(CLASSES)}")
-    names = [(member.namespace, member.name) for member in members]
-    if len(set(names)) != len(names):
-        raise ValueError(f"nodes is {list(values['nodes'])!r}, expected different names")
+    members = members_of(values['nodes'], CLASSES)
     return Config(members, round(values['clock_step'] * 1e9), values['real_time_factor'])
-
-
-def _member(text: str) -> Member:
-    kind, _, path = text.partition(':')
-    namespace, _, name = (path or kind).rpartition('/')
-    if kind not in CLASSES or not name:
-        raise ValueError(
-            f"nodes has {text!r}, expected 'class' or 'class:name', class one of {list(CLASSES)}")
-    return Member(kind, name, namespace)
 
 
 def node_class(kind: str) -> Type[DiffDriveNode]:
