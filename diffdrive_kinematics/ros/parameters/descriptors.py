@@ -17,9 +17,10 @@ import math
 from typing import Any, Callable, Dict, Mapping, Optional, Tuple
 
 from diffdrive_kinematics.core.kinematics import check_rate
-from diffdrive_kinematics.ros.parameters.parameter_spec import (
+from diffdrive_kinematics.ros.parameters.parameter_checks import (
     check_count, check_gear_ratio, check_optional_seed, check_port, check_seed, check_stages,
-    check_window, Kind, MOST, MOST_IN_WINDOW, MOST_STAGES, ParameterSpec)
+    check_window, MOST, MOST_IN_WINDOW, MOST_STAGES)
+from diffdrive_kinematics.ros.parameters.parameter_spec import Kind, ParameterSpec
 from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor
 from rcl_interfaces.srv import DescribeParameters
 
