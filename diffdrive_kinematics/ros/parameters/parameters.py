@@ -146,6 +146,11 @@ class ParameterSet(Generic[Config]):
         node.add_post_set_parameters_callback(self._apply_change)
 
     @property
+    def table(self) -> Mapping[str, ParameterSpec]:
+        """Return the parameters that the node knows, by name."""
+        return self._table
+
+    @property
     def config(self) -> Config:
         """Return the configuration in force."""
         return self._judged.config
