@@ -42,7 +42,7 @@ def members_of(nodes: Sequence[str], known: Collection[str]) -> Tuple[Member, ..
 
     """
     if not nodes:
-        raise ValueError(f"nodes is empty, expected 'class' or 'class:name' of {list(known)}")
+        raise ValueError(f"nodes is not set, expected 'class' or 'class:name' of {list(known)}")
     members = tuple(_member(text, known) for text in nodes)
     if len({(member.namespace, member.name) for member in members}) != len(members):
         raise ValueError(f'nodes is {list(nodes)!r}, expected different names')
