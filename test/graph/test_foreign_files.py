@@ -38,7 +38,7 @@ DRIVES = {  # node of the odometry, command, and the twist that the limits of th
 
 
 def renamed(text):
-    """Return a file with each name replaced by that which the log says is the name here."""
+    """Return a file with its frames under the names that the log gives for them."""
     for name, (_, right) in RIGHT_NAMES.items():
         if re.fullmatch(r'\w+_frame_id', right):
             text = re.sub(rf'^(\s+){name}:', rf'\1{right}:', text, flags=re.MULTILINE)
