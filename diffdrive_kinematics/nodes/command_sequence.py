@@ -48,10 +48,12 @@ def build(values: Mapping[str, Any]) -> Config:
     """Return the configuration of parameter values, or raise ``ValueError``."""
     sources = {'commands': list(values['commands']), 'recording': values['recording'],
                'square_side': values['square_side']}
+    if not any(sources.values()):
+        raise ValueError(f"{' or '.join(sources)} is not set, expected exactly one of them")
     if sum(map(bool, sources.values())) != 1:
         raise ValueError(
             f"{', '.join(f'{name} is {value!r}' for name, value in sources.items())}, expected "
-            'one of them to be set')
+            'exactly one of them to be set')
     if not values['recording']:
         commands = (commands_from(values['commands']) if values['commands']
                     else _square(values))

@@ -16,21 +16,20 @@
 
 from dataclasses import dataclass
 from importlib import import_module
-import os
 import sys
 import time
 from typing import Any, Dict, List, Mapping, Optional, Tuple, Type, TYPE_CHECKING
 
 from diffdrive_kinematics.ros.parameters.configuration_error import ConfigurationError
-from diffdrive_kinematics.ros.parameters.package_share import with_params_file
+from diffdrive_kinematics.ros.parameters.members import Member, members_of
 from diffdrive_kinematics.ros.parameters.tables import DIFFDRIVE_SIM
-from diffdrive_kinematics.ros.runtime.alone import check_alone, Disturbed, keep_to_this_machine
+from diffdrive_kinematics.ros.runtime.alone import check_alone, Disturbed
 from diffdrive_kinematics.ros.runtime.clocks import SteadyTimers, SteppedClock
-from diffdrive_kinematics.ros.runtime.command_line import DEMO, way_on
+from diffdrive_kinematics.ros.runtime.demo import run_or_demo
 from diffdrive_kinematics.ros.runtime.in_flight_messages import InFlightMessages
 from diffdrive_kinematics.ros.runtime.node import DiffDriveNode
 from diffdrive_kinematics.ros.runtime.output import exit_status, report, show
-from diffdrive_kinematics.ros.runtime.running import finish, make_executor, run, spin, Stop
+from diffdrive_kinematics.ros.runtime.running import finish, make_executor, spin, Stop
 from diffdrive_kinematics.tools.bag_recorder import BagRecorder, CannotRecord
 from diffdrive_kinematics.tools.drift_table import drift_table, progress_line, Robot
 from rclpy.logging import get_logger
@@ -52,15 +51,6 @@ REST_TIMEOUT_NS = 5_000_000_000
 
 
 @dataclass(frozen=True)
-class Member:
-    """A node to compose: its class, its name, and the namespace where the name has one."""
-
-    kind: str
-    name: str
-    namespace: str
-
-
-@dataclass(frozen=True)
 class Config:
     """What the composition is set to."""
 
@@ -71,22 +61,8 @@ class Config:
 
 def build(values: Mapping[str, Any]) -> Config:
     """Return the configuration of parameter values, or raise ``ValueError``."""
-    members = tuple(map(_member, values['nodes']))
-    if not members:
-        raise ValueError(f"nodes is empty, expected 'class' or 'class:name' of {list(CLASSES)}")
-    names = [(member.namespace, member.name) for member in members]
-    if len(set(names)) != len(names):
-        raise ValueError(f"nodes is {list(values['nodes'])!r}, expected different names")
+    members = members_of(values['nodes'], CLASSES)
     return Config(members, round(values['clock_step'] * 1e9), values['real_time_factor'])
-
-
-def _member(text: str) -> Member:
-    kind, _, path = text.partition(':')
-    namespace, _, name = (path or kind).rpartition('/')
-    if kind not in CLASSES or not name:
-        raise ValueError(
-            f"nodes has {text!r}, expected 'class' or 'class:name', class one of {list(CLASSES)}")
-    return Member(kind, name, namespace)
 
 
 def node_class(kind: str) -> Type[DiffDriveNode]:
@@ -161,6 +137,10 @@ class DiffDriveSim(DiffDriveNode[Config]):
         """Return whether there was a course, and it is done."""
         return bool(self._courses) and all(node.done for node in self._courses)
 
+    def begun(self) -> bool:
+        """Return whether there is a course, and something of it was driven."""
+        return self.finished() or any(node.begun() for node in self._sequences)
+
     def robots(self) -> List[Robot]:
         """Return the bases; one that is fed with noise, beside one that is not, is the truth."""
         noisy = {
@@ -221,9 +201,9 @@ def _work(stop: Stop) -> int:
         if recorder:
             recorder.close()
             report(f"recorded {recorder.count} messages in {sim.parameters.values['record']}")
-        if sim.finished():
+        if sim.begun():
             report(drift_table(sim.robots()))
-            if sim.clock_driver and not sim.config.real_time_factor:
+            if sim.finished() and sim.clock_driver and not sim.config.real_time_factor:
                 report(f'{sim.clock_driver.rate():.0f} times real time')
     except Disturbed:
         time.sleep(FAREWELL_S)  # still to be seen, or the other one might never know
@@ -239,15 +219,7 @@ def _work(stop: Stop) -> int:
 
 def main() -> None:
     """Run ``diffdrive_sim``."""
-    argv = with_params_file(sys.argv, 'demo.yaml')
-    if argv is sys.argv:
-        sys.exit(run(work))
-    show(DEMO)
-    keep_to_this_machine(os.environ)
-    sys.argv, program = argv, sys.argv[0]
-    if not (status := run(work)):
-        show(way_on(program))
-    sys.exit(status)
+    sys.exit(run_or_demo(work))
 
 
 if __name__ == '__main__':

@@ -36,7 +36,7 @@ from diffdrive_kinematics.tools.output_files import check_writable, write_files
 import numpy as np
 
 MISSING = (
-    "plot_paths needs matplotlib, which is missing: pip install 'diffdrive_kinematics[plot]' or "
+    "plot_paths needs matplotlib, which is missing: pip install '.[plot]' or "
     'apt install python3-matplotlib')
 
 
@@ -55,7 +55,7 @@ def build(values: Mapping[str, Any]) -> Union[Config, ModelConfig]:
     """Return the configuration of parameter values, or raise ``ValueError``."""
     commands = commands_from(values['commands'])
     if not commands:
-        raise ValueError('commands is empty, expected at least one (v, omega, duration)')
+        raise ValueError('commands is not set, expected at least one (v, omega, duration)')
     if values['model']:
         return model_config(values, commands)
     if math.isnan(values['wheel_separation']):

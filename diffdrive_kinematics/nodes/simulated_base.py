@@ -94,10 +94,10 @@ class SimulatedBase(DiffDriveNode[Config]):
             values, self.config.geometry, self.config.timeout_ns, self.config.slip_variances)
         self._reader = WheelReader(
             joints, positions=values['position_feedback'], encoder_range=encoder.period)
-        self._driver = DriverWatch(self, values['wheel_motion_topic'])
-        self._wheel_watch = WheelWatch(self, self._reader, values['wheel_motion_topic'])
-        self._wheel_motion = runtime.poll(
-            JointState, values['wheel_motion_topic'], self._on_wheels)
+        motion_topic = values['wheel_motion_topic']
+        self._driver = DriverWatch(self, motion_topic)
+        self._wheel_watch = WheelWatch(self, self._reader, motion_topic)
+        self._wheel_motion = runtime.poll(JointState, motion_topic, self._on_wheels)
         self._wheel_motion.set_poll_rate(values['publish_rate'])
         self._out = OdometryPublisher(self, values)
         self._wheels = WheelWriter(joints, self.source(), encoder)
@@ -111,8 +111,7 @@ class SimulatedBase(DiffDriveNode[Config]):
             runtime.listen(Odometry, values['belief_topic'], self._on_belief)
         self._path = PathPublisher(
             self, values, self._out.frames[0]) if values['path_topic'] else None
-        topic = values['set_pose_topic']
-        if topic:
+        if topic := values['set_pose_topic']:
             runtime.listen(PoseWithCovarianceStamped, topic, self._on_pose, needs_wakeup=False)
         runtime.serve(Trigger, '~/reset', self._on_reset)
         self._timer = runtime.every(values['publish_rate'], self._tick)
@@ -174,9 +173,8 @@ class SimulatedBase(DiffDriveNode[Config]):
     def _report_place(self, how: str) -> str:
         """Log the pose that was set, and return what was logged."""
         pose = self.reading().pose
-        report = (
-            f'pose {how}: x {pose.x:.3f} m, y {pose.y:.3f} m, yaw {pose.theta:.4f} rad in '
-            f"'{self._out.frames[0]}'")
+        report = (f'pose {how}: x {pose.x:.3f} m, y {pose.y:.3f} m, yaw {pose.theta:.4f} rad '
+                  f"in '{self._out.frames[0]}'")
         self.get_logger().info(report)
         return report
 
@@ -200,18 +198,17 @@ class SimulatedBase(DiffDriveNode[Config]):
 
     def status(self, look: RateSample) -> Status:
         """Return how wheel motion comes in and odometry goes out."""
-        values = self.config.values
+        values, heard = self.config.values, self.health.statistics
         topic = self.resolve_topic_name(values['wheel_motion_topic'])
         return Status({
-            **heard_values(self.health.statistics, look.now_ns, 'wheel motion'),
+            **heard_values(heard, look.now_ns, 'wheel motion'),
             'achieved odometry rate [Hz]': look.rate, **stamp_values(self.counts),
             'position jumps': self.counts[Verdict.JUMPED.value],
-            'last now - stamp [s]': self.health.statistics.skew_ns / 1e9,
-            'largest now - stamp [s]': self.health.statistics.largest_skew_ns / 1e9,
+            'last now - stamp [s]': heard.skew_ns / 1e9,
+            'largest now - stamp [s]': heard.largest_skew_ns / 1e9,
             **self._wheel_watch.values(), **self._driver.values(self._odometry)}, [
-                *self._wheel_watch.problems(), *self._driver.problems(),
-                *unheard(self.health.statistics, topic),
-                *quiet(self.health.statistics, look.now_ns, values['command_timeout'], topic,
+                *self._wheel_watch.problems(), *self._driver.problems(), *unheard(heard, topic),
+                *quiet(heard, look.now_ns, values['command_timeout'], topic,
                        at_rest=self._odometry.at_rest),
                 *slowness(look, values['publish_rate'])])
 

@@ -17,7 +17,8 @@
 from pathlib import Path
 from typing import Any, Dict, Mapping, NamedTuple, Tuple, Union
 
-from diffdrive_kinematics.nodes.diffdrive_sim import build, Member
+from diffdrive_kinematics.nodes.diffdrive_sim import build
+from diffdrive_kinematics.ros.parameters.members import Member
 import yaml
 
 __all__ = ['Composition', 'composition']

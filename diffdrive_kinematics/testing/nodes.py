@@ -19,7 +19,8 @@ import os
 import tempfile
 from typing import Any, Dict, List, Mapping, NamedTuple, Tuple
 
-from diffdrive_kinematics.nodes.diffdrive_sim import Member, node_class
+from diffdrive_kinematics.nodes.diffdrive_sim import node_class
+from diffdrive_kinematics.ros.parameters.members import Member
 from diffdrive_kinematics.ros.runtime.clocks import SteppedClock
 from diffdrive_kinematics.ros.runtime.running import make_executor
 from diffdrive_kinematics.testing.composition import Composition

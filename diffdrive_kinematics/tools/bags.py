@@ -32,7 +32,7 @@ __all__ = ['Bag', 'BagMessage', 'BagTopic', 'MISSING', 'is_bag', 'message_of', '
 
 SUFFIXES = ('.mcap', '.db3')
 MISSING = (
-    "bags need rosbags, which is missing: pip install 'diffdrive_kinematics[bags]', or, on a ROS "
+    "bags need rosbags, which is missing: pip install '.[bags]', or, on a ROS "
     'machine, apt install ros-jazzy-rosbag2-py')
 UNREADABLE = (
     OSError, ValueError, LookupError, RuntimeError, AssertionError, EOFError, TypeError,

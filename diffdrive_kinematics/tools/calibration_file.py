@@ -34,7 +34,7 @@ STAY = """\
 # The next calibration starts from this one."""
 NODES = 'diff_drive_controller', 'wheel_odometry', 'simulated_base'
 MISSING = (
-    "picture needs matplotlib, which is missing: pip install 'diffdrive_kinematics[plot]' or "
+    "picture needs matplotlib, which is missing: pip install '.[plot]' or "
     'apt install python3-matplotlib')
 NO_SLIP_M = 1e-12
 """Slip variance [m] of runs that do not scatter at all."""

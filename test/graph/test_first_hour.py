@@ -14,11 +14,14 @@
 
 """What executables say to the arguments of somebody who meets them for the first time."""
 
+import importlib.util
 import shlex
+import signal
 
 from diffdrive_kinematics.ros.parameters.tables import TABLES
 from diffdrive_kinematics.ros.runtime.command_line import example_of
 import pytest
+from support.graph import KHEPERA
 
 
 def test_the_demo_begins_with_what_it_does_and_ends_with_where_to_go_on(graph):
@@ -28,6 +31,7 @@ def test_the_demo_begins_with_what_it_does_and_ends_with_where_to_go_on(graph):
     assert lines[0].startswith('no params file given: running the demo')
     assert '--ros-args --params-file' in lines[-1] and lines[-1].endswith('web.yaml')
     assert 'does not reach' not in demo.output  # /** of the file has it
+    assert '[WARN]' not in demo.output
 
 
 def test_a_parameter_that_a_section_of_the_demo_beats_is_told_with_the_form_that_works(graph):
@@ -41,6 +45,16 @@ def test_a_parameter_that_a_section_of_the_demo_beats_is_told_with_the_form_that
     graph.wait_for(lambda: 'simulated_base' in graph.node.get_node_names(), 'the base')
     assert obeyed.stop() == 0, obeyed.output
     assert 'does not reach' not in obeyed.output and 'playing' not in obeyed.output
+
+
+@pytest.mark.parametrize('number', [signal.SIGINT, signal.SIGTERM])
+def test_a_demo_that_is_interrupted_shows_its_table_of_what_it_has_driven(graph, number):
+    demo = graph.start('diffdrive_sim', args=['--ros-args', '-p', 'real_time_factor:=1.0'])
+    graph.wait_for(lambda: ' 2.4 of 24.0 s' in demo.output, 'some of the course')
+    assert demo.stop(number) == 0, demo.output
+    assert '24.0 of 24.0 s' not in demo.output
+    row = next(line for line in demo.output.splitlines() if line.startswith('belief (/sim'))
+    assert 0.2 < float(row.split()[2]) < 0.4
 
 
 @pytest.mark.parametrize('args, form', [
@@ -76,3 +90,42 @@ def test_the_example_of_the_help_runs(graph, name):
     graph.wait_for(lambda: name in graph.node.get_node_names() or not process.running, name)
     assert process.stop() == 0, process.output
     assert 'refuses' not in process.output
+
+
+@pytest.mark.parametrize('name, args, words', [
+    ('command_sequence', ['-p', 'commands:=[0.1, 0.0, 4.0]', '-p', 'square_side:=1.0'],
+     'expected exactly one of them'),
+    ('simulated_base', ['-p', 'wheel_radius:=-1.0', '-p', 'wheel_separation:=0.1'],
+     'wheel_radius is -1.0'),
+    ('command_sequence', ['-p', 'commands:=[0.1, 0, 4]'], 'not [0.1, 0, 4]'),
+    ('command_sequence', ['--params-file', 'none.yaml'], 'there is no such file')])
+def test_what_is_set_wrongly_is_refused_without_advice_on_how_to_set_parameters(
+        graph, name, args, words):
+    process = graph.start(name, args=['--ros-args', *args])
+    assert process.wait() == 2
+    assert words in process.output
+    assert 'Set parameters' not in process.output and ', at /' not in process.output
+
+
+@pytest.mark.parametrize('name', ['command_sequence', 'simulated_base'])
+def test_what_is_missing_is_refused_with_advice_on_how_to_set_parameters(graph, name):
+    process = graph.start(name, args=[])
+    assert process.wait() == 2
+    assert ' is not set, expected ' in process.output and 'Set parameters' in process.output
+
+
+def test_calibrate_alone_names_its_three_modes(graph):
+    process = graph.start('calibrate', args=[])
+    assert process.wait() == 2
+    first = process.output.splitlines()[0]
+    assert all(word in first for word in ('square_runs', 'recordings', 'live topics'))
+
+
+@pytest.mark.skipif(importlib.util.find_spec('tf2_msgs') is not None, reason='tf2_msgs is there')
+@pytest.mark.parametrize('given, level', [({}, '[INFO]'), ({'enable_odom_tf': True}, '[WARN]')])
+def test_tf_that_nobody_asked_for_is_no_reason_to_warn(graph, given, level):
+    base = graph.start('simulated_base', {**KHEPERA, **given})
+    graph.wait_for(lambda: 'tf2_msgs' in base.output, 'the line')
+    assert base.stop() == 0
+    line = next(line for line in base.output.splitlines() if 'tf2_msgs' in line)
+    assert line.startswith(level)

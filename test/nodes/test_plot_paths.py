@@ -104,5 +104,5 @@ def test_a_missing_matplotlib_is_one_line_that_says_how_to_get_it(graph, tmp_pat
     program = graph.start('plot_paths', args=[], cwd=tmp_path)
     assert program.wait() == 2, program.output
     assert 'Traceback' not in program.output
-    assert "pip install 'diffdrive_kinematics[plot]'" in program.output
+    assert "pip install '.[plot]'" in program.output
     assert not list(tmp_path.glob('*.png'))

@@ -29,8 +29,9 @@ for an arc of length s and turn Delta (C/2: the error of the distance turns with
 it is made, Stratonovich).  Slip at t moves the mean of the end, given all up to t, by its share of
 distance along the track and its share of heading times ``i rho``, turned by phi(t).  The end is
 the integral of that over independent slip (Clark & Ocone; Nualart, Malliavin Calculus, sec. 1.3),
-so its covariance is the integral of the squares: one integral over the arc, by Gauss-Legendre
-quadrature with 3 or 4 nodes where turn and V are small.  A longer arc is two halves of it.
+so its covariance is the integral of the squares: one integral over the arc.  It is a closed form
+(:mod:`.turning_moments`), which loses digits where the turn is small: there it is Gauss-Legendre
+quadrature with 3 to 5 nodes.  Where V is large, and the turn is not, an arc is two halves of it.
 
 Arcs follow one another by :func:`followed`: only moments of ``e^{i phi}``, and what the position
 has to do with it, are needed.  Everything is kept about the mean, so nothing cancels on a
@@ -46,6 +47,7 @@ from diffdrive_kinematics.core.kinematics import (
 from diffdrive_kinematics.core.noise.heading_moments import GAUSSIAN
 from diffdrive_kinematics.core.noise.pose_covariance import PoseCovariance
 from diffdrive_kinematics.core.noise.pose_moments import followed, PoseMoments
+from diffdrive_kinematics.core.noise.turning_moments import turning_moments
 
 __all__ = ['arc_moments', 'propagated_moments', 'slip_on_arc']
 
@@ -68,7 +70,12 @@ RULES = (
     _Rule(0.15, (
         (0.06943184420297371, 0.17392742256872693), (0.33000947820757187, 0.3260725774312731),
         (0.6699905217924281, 0.3260725774312731), (0.9305681557970263, 0.17392742256872693)),
-        _exponential(9)))
+        _exponential(9)),
+    _Rule(0.4, (
+        (0.04691007703066800, 0.11846344252809454), (0.23076534494715845, 0.23931433524968324),
+        (0.5, 0.28444444444444444), (0.7692346550528415, 0.23931433524968324),
+        (0.9530899229693320, 0.11846344252809454)), _exponential(12)))
+TURNING = 0.3  # [rad], from where the closed form keeps digits enough
 
 
 def slip_on_arc(
@@ -135,6 +142,8 @@ def arc_moments(
 
     """
     q, c, v = slip
+    if abs(turn) > TURNING:
+        return turning_moments(distance, turn, slip)
     reach = abs(turn) + 4.0 * v
     if reach > RULES[-1].reach:
         part = arc_moments(0.5 * distance, 0.5 * turn, (0.5 * q, 0.5 * c, 0.5 * v))
@@ -142,7 +151,7 @@ def arc_moments(
         way = 0.5 * distance * (math.sin(quarter) / quarter if quarter else 1.0)
         middle = complex(math.cos(3.0 * quarter), math.sin(3.0 * quarter))
         return followed(part, 0.5 * turn, way * middle, part)
-    _, nodes, exponential = RULES[0] if reach <= RULES[0].reach else RULES[1]
+    _, nodes, exponential = next(rule for rule in RULES if reach <= rule.reach)
     xx = xy = xt = yy = yt = x_of_sin = x_of_cos = y_of_sin = y_of_cos = 0.0
     mean = 0j
     drive, rate = complex(distance, 0.5 * c), complex(-0.5 * v, turn)

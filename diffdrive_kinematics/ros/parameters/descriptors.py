@@ -14,11 +14,24 @@
 """What ``ros2 param describe`` tells of a parameter."""
 
 import math
+from typing import Any, Callable, Dict, Mapping, Optional, Tuple
 
+from diffdrive_kinematics.core.kinematics import check_rate
+from diffdrive_kinematics.ros.parameters.parameter_checks import (
+    check_count, check_gear_ratio, check_optional_seed, check_port, check_seed, check_stages,
+    check_window, MOST, MOST_IN_WINDOW, MOST_STAGES)
 from diffdrive_kinematics.ros.parameters.parameter_spec import Kind, ParameterSpec
-from rcl_interfaces.msg import ParameterDescriptor
+from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor
+from rcl_interfaces.srv import DescribeParameters
 
-__all__ = ['descriptor_of']
+__all__ = ['descriptor_of', 'telling_ranges']
+
+MOST_INTEGER = 2**63 - 1
+RANGES: Dict[Any, Tuple[float, float]] = {  # of the checks that have two ends and no exception
+    check_count: (1, MOST), check_window: (1, MOST_IN_WINDOW), check_stages: (1, MOST_STAGES),
+    check_port: (0, 65535), check_seed: (0, MOST_INTEGER),
+    check_optional_seed: (-1, MOST_INTEGER), check_rate: (1e-6, 1e6),
+    check_gear_ratio: (1e-3, 1e6)}
 
 IMPOSSIBLE = {Kind.DOUBLE: -math.inf, Kind.INTEGER: -2**62, Kind.STRING: '~ ', Kind.STRINGS: (),
               Kind.DOUBLES: (-math.inf,)}
@@ -44,3 +57,49 @@ def _expected(entry: ParameterSpec) -> str:
     except ValueError as error:
         return str(error).partition('expected ')[2].partition(' (topic')[0]
     return ''
+
+
+Answer = Callable[[DescribeParameters.Request, DescribeParameters.Response],
+                  DescribeParameters.Response]
+
+
+def telling_ranges(
+        answer: Answer, table: Callable[[], Mapping[str, ParameterSpec]]) -> Answer:
+    """
+    Return the answer of the service that describes parameters, with ranges of numbers added.
+
+    They are not in the descriptors that rclpy keeps: it would refuse a value by them itself,
+    without a line in the log, and in words that lack the unit and what to set instead.
+
+    Parameters
+    ----------
+    answer : callable
+        The service's callback.
+    table : callable
+        Returns the parameters of the node, by name.
+
+    """
+    def with_ranges(
+            request: DescribeParameters.Request, response: DescribeParameters.Response
+    ) -> DescribeParameters.Response:
+        response = answer(request, response)
+        response.descriptors = [
+            _ranged(each, table().get(each.name)) for each in response.descriptors]
+        return response
+
+    return with_ranges
+
+
+def _ranged(
+        kept: ParameterDescriptor, entry: Optional[ParameterSpec]) -> ParameterDescriptor:
+    """Return a copy of a descriptor that tells the range of the parameter, where it has one."""
+    if entry is None or entry.check not in RANGES:
+        return kept
+    least, most = RANGES[entry.check]
+    told = ParameterDescriptor(**{
+        name: getattr(kept, name) for name in kept.get_fields_and_field_types()})
+    if entry.kind is Kind.INTEGER:
+        told.integer_range = [IntegerRange(from_value=int(least), to_value=int(most))]
+    else:
+        told.floating_point_range = [FloatingPointRange(from_value=least, to_value=most)]
+    return told

@@ -39,6 +39,10 @@ __all__ = ['ConfigurationError', 'ParameterSet', 'coerce']
 
 Config = TypeVar('Config')
 NOT_FINITE = ('nan', '.nan', 'inf', '.inf', '-inf', '-.inf')
+MISSING = ' is not set'
+HOW_TO_SET = (
+    '. Set parameters in a params file (--ros-args --params-file FILE) or one by one (--ros-args '
+    '-p NAME:=VALUE)')
 TYPES = {Kind.DOUBLE: Parameter.Type.DOUBLE, Kind.DOUBLES: Parameter.Type.DOUBLE_ARRAY,
          Kind.STRINGS: Parameter.Type.STRING_ARRAY}
 
@@ -142,6 +146,11 @@ class ParameterSet(Generic[Config]):
         node.add_post_set_parameters_callback(self._apply_change)
 
     @property
+    def table(self) -> Mapping[str, ParameterSpec]:
+        """Return the parameters that the node knows, by name."""
+        return self._table
+
+    @property
     def config(self) -> Config:
         """Return the configuration in force."""
         return self._judged.config
@@ -173,10 +182,10 @@ class ParameterSet(Generic[Config]):
                 return _Judged(values, self._build(values))
             except ValueError as error:
                 problems.append(str(error))
+        reason = '; '.join(problems)
         raise ConfigurationError(
-            f"{self._node.get_fully_qualified_name()} refuses to start: {'; '.join(problems)}. "
-            'Set parameters in a params file (--ros-args --params-file FILE) or one by one '
-            '(--ros-args -p NAME:=VALUE)')
+            f'{self._node.get_fully_qualified_name()} refuses to start: {reason}'
+            + (HOW_TO_SET if MISSING in reason else ''))
 
     def _declared(self, entry: ParameterSpec, given: Optional[Parameter]) -> Any:
         """Declare a parameter with what was set for it, and return that."""

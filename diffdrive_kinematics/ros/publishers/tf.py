@@ -18,6 +18,7 @@ from typing import Any, Mapping, Tuple, TYPE_CHECKING
 
 from diffdrive_kinematics.core.kinematics import Pose
 from diffdrive_kinematics.ros.messages.codec import TransformCodec
+from diffdrive_kinematics.ros.runtime.rclpy_private import given_overrides
 
 if TYPE_CHECKING:
     from diffdrive_kinematics.ros.runtime.node import DiffDriveNode
@@ -45,8 +46,9 @@ class TransformPublisher:
     """
     Publishes transforms on ``/tf``.
 
-    Where tf2_msgs is missing one warning says how to get it or do without (set ``switch``, the
-    parameter that asked for tf, to false), and nothing is published.
+    Where tf2_msgs is missing one line says how to get it or do without (set ``switch``, the
+    parameter that asked for tf, to false), and nothing is published.  It is a warning where
+    somebody set the switch, and for information where it is on by default.
     """
 
     def __init__(self, node: 'DiffDriveNode', switch: str) -> None:
@@ -54,8 +56,9 @@ class TransformPublisher:
         try:
             from tf2_msgs.msg import TFMessage
         except ImportError:
-            node.get_logger().warning(
-                'tf is off: the package tf2_msgs is missing (apt install ros-jazzy-tf2-msgs); '
+            log = node.get_logger()
+            say = log.warning if switch in given_overrides(node) else log.info
+            say('tf is off: the package tf2_msgs is missing (apt install ros-jazzy-tf2-msgs); '
                 f'set {switch} to false to do without')
             return
         self._message = TransformCodec('', '')

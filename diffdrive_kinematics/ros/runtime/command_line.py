@@ -18,16 +18,13 @@ import sys
 from typing import Optional, Sequence
 
 from diffdrive_kinematics.ros.parameters.package_share import share_directory
-from diffdrive_kinematics.ros.parameters.parameter_spec import (
-    check_optional_topic, check_topic, ParameterSpec)
+from diffdrive_kinematics.ros.parameters.parameter_checks import (
+    check_optional_topic, check_topic)
+from diffdrive_kinematics.ros.parameters.parameter_spec import ParameterSpec
 from diffdrive_kinematics.ros.parameters.tables import TABLES
 from diffdrive_kinematics.ros.runtime.output import complain, exit_status, report
 
-__all__ = ['DEMO', 'answer_arguments', 'example_of', 'help_of', 'refusal_of', 'way_on']
-
-DEMO = (
-    'no params file given: running the demo (config/demo.yaml), a robot that drives a square with '
-    'wheels that slip, and believes to be elsewhere than it is')
+__all__ = ['answer_arguments', 'example_of', 'help_of', 'refusal_of']
 
 ROS_ARGS = '--ros-args'
 HELP = '-h', '--help'
@@ -36,6 +33,9 @@ OPTIONS = {  # of ROS, and what follows them
     '--remap': 'FROM:=TO', '--log-level': 'LEVEL'}
 VALUES = {'wheel_radius': '0.033', 'wheel_separation': '0.16'}  # of what must be set
 MORE = {'command_sequence': "-p commands:='[0.1, 0.0, 4.0]'", 'plot_paths': '-p output:=paths.svg'}
+MODES = {  # of executables that do quite different things
+    'calibrate': 'one of -p square_runs:=FILE.csv (UMBmark), -p recordings:=[FILE, ...] (a fit to '
+                 'recorded drives), or neither (live topics, until Ctrl-C or a call of ~/finish)'}
 UNKNOWN = 2  # exit status
 
 
@@ -50,10 +50,13 @@ def answer_arguments(name: str, summary: str, argv: Sequence[str]) -> None:
     summary : str
         What it is, of which the first line counts.
     argv : sequence of str
-        The command line; with arguments for ROS only, nothing is done.
+        The command line; with arguments for ROS only, nothing is done. Without any, the modes
+        are named where there are several.
 
     """
     others = _not_for_ros(argv)
+    if len(argv) == 1 and name in MODES:
+        complain(f'{name}: {MODES[name]}')
     if any(argument in HELP for argument in others):
         report(help_of(name, summary))
         sys.exit(exit_status())
@@ -89,6 +92,7 @@ def help_of(name: str, summary: str) -> str:
         'Parameters that must be set:',
         *(f'  {entry.name}: {entry.description}' for entry in required),
         *([] if required else ['  none']), '',
+        *([f'Modes: {MODES[name]}', ''] if name in MODES else []),
         'Example:', f'  {example_of(name)}', '',
         'All parameters: docs/reference/parameters.md'])
 
@@ -101,12 +105,6 @@ def example_of(name: str) -> str:
                 if entry.required]
     settings += [MORE[name]] if name in MORE else []
     return ' '.join([name, *([ROS_ARGS] if settings else []), *settings])
-
-
-def way_on(program: str) -> str:
-    """Return what to do after the demo."""
-    file = share_directory() / 'config' / 'web.yaml'
-    return f'to drive a robot in the browser: {program} {ROS_ARGS} --params-file {file}'
 
 
 def _topic(entry: ParameterSpec) -> str:

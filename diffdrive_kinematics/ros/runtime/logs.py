@@ -12,7 +12,11 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The directory of log files, which rcl insists on: a service without HOME has none."""
+"""
+What to do about errors of rcl, and the directory of log files, which it insists on.
+
+A service without HOME has none.
+"""
 
 from typing import Mapping, Sequence
 
@@ -26,6 +30,13 @@ REMEDY = (
     'set ROS_LOG_DIR to a directory that can be written (Environment= or LogsDirectory= of a '
     f'systemd unit), or ROS_HOME or HOME, or keep no log files: --ros-args {NO_FILES}')
 
+HINTS = {  # to what rcl says of params files and -p
+    'Sequence should be of same type':
+        'the numbers of a list are written alike, [0.1, 0.0, 4.0] and not [0.1, 0, 4]',
+    'Error opening YAML file':
+        'there is no such file as seen from the directory in which this was started, or it may '
+        'not be read'}
+
 
 def check_log_directory(environment: Mapping[str, str], argv: Sequence[str]) -> None:
     """Raise ``ConfigurationError`` where rcl would find no directory, and say so at length."""
@@ -37,7 +48,10 @@ def check_log_directory(environment: Mapping[str, str], argv: Sequence[str]) -> 
 
 
 def with_remedy(error: str) -> str:
-    """Return what rcl says, with what to do where it is about log files."""
+    """Return what rcl says, with what to do where that is known."""
+    for words, hint in HINTS.items():
+        if words in error:
+            return f"{error.partition(', at ')[0]}: {hint}"
     if 'log directory' not in error and 'logging directory' not in error:
         return error
     return f"{error.partition(', at ')[0]}: {REMEDY}"

@@ -19,6 +19,7 @@ import time
 from typing import (
     Any, Callable, Collection, Generic, Iterator, Mapping, Optional, Sequence, Set, Tuple, TypeVar)
 
+from diffdrive_kinematics.ros.parameters.descriptors import telling_ranges
 from diffdrive_kinematics.ros.parameters.parameter_spec import ParameterSpec
 from diffdrive_kinematics.ros.parameters.parameters import ParameterSet
 from diffdrive_kinematics.ros.runtime.clocks import SteadyTimers, SteppedClock
@@ -29,6 +30,7 @@ from diffdrive_kinematics.ros.runtime.node_time import NodeTime
 from diffdrive_kinematics.ros.runtime.rclpy_private import given_overrides, leave_graph
 from diffdrive_kinematics.ros.runtime.rejections import checked_clock, Rejections
 from diffdrive_kinematics.ros.runtime.runtimes import runtime_of
+from rcl_interfaces.srv import DescribeParameters
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rclpy.service import Service
@@ -124,6 +126,8 @@ class DiffDriveNode(Node, Generic[Config], metaclass=_LeavesWhereRefused):
             self, srv_type: type, srv_name: str, callback: Callable[[Any, Any], Any],
             *arguments: Any, **options: Any) -> Service:
         """Return a service that is guarded, as are those of parameters, which rclpy makes."""
+        if srv_type is DescribeParameters:
+            callback = telling_ranges(callback, lambda: self.parameters.table)
         return super().create_service(
             srv_type, srv_name, self.rejections.guarded_service(srv_name, callback), *arguments,
             **options)

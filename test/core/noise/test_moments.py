@@ -26,6 +26,7 @@ from diffdrive_kinematics.core.kinematics import Pose, pose_change_from_travel, 
 from diffdrive_kinematics.core.noise import (
     arc_moments, CERTAIN, followed, gaussian_moments, heading_moments, NO_COVARIANCE,
     PoseCovariance, propagated_covariance, propagated_moments, slip_on_arc)
+from diffdrive_kinematics.core.noise.turning_moments import turning_moments
 from hypothesis import assume, given, settings, strategies as st
 import numpy as np
 import pytest
@@ -108,6 +109,20 @@ def test_the_moments_solve_their_differential_equations(distance, turn, slip):
     scale = np.sqrt(np.diag(expected))
     assert np.max(np.abs(found.second_moment().matrix() - expected)
                   / np.outer(scale, scale)) < 1e-9
+
+
+@LAW
+@given(st.floats(-20.0, 20.0), st.floats(0.25, 0.3), st.booleans(), st.floats(1e-9, 0.01),
+       st.floats(1e-9, 0.01))
+def test_closed_form_and_quadrature_agree(distance, turn, right, k_left, k_right):
+    turn = -turn if right else turn
+    slip = slip_on_arc(GEOMETRY, *travel_of(distance, turn), k_left, k_right)
+    closed, integrated = turning_moments(distance, turn, slip), arc_moments(distance, turn, slip)
+    assert discrepancy(closed, integrated) < 1e-9
+    assert closed.mean_error == pytest.approx(integrated.mean_error, rel=1e-9)
+    for name in ('x_swing', 'y_swing'):
+        assert getattr(closed, name) == pytest.approx(
+            getattr(integrated, name), rel=1e-9, abs=1e-9 * abs(integrated.x_swing))
 
 
 @pytest.mark.parametrize('n', range(1, 101))

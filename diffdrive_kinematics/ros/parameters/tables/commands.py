@@ -15,8 +15,10 @@
 """The parameters of the nodes that command a robot."""
 
 from diffdrive_kinematics.core.kinematics import check_duration, check_positive, check_rate
+from diffdrive_kinematics.ros.parameters.parameter_checks import (
+    check_frame, check_one_of)
 from diffdrive_kinematics.ros.parameters.parameter_spec import (
-    check_frame, check_one_of, Kind, ParameterSpec as Spec, string, topic)
+    Kind, ParameterSpec as Spec, string, topic)
 from diffdrive_kinematics.ros.parameters.tables.shared import DIAGNOSTICS, EXECUTOR, SQUARE
 
 COMMAND_SEQUENCE = (

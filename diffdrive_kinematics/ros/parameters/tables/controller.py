@@ -18,8 +18,10 @@ import math
 from typing import Tuple
 
 from diffdrive_kinematics.core.kinematics import check_duration, check_rate
+from diffdrive_kinematics.ros.parameters.parameter_checks import (
+    check_frame, check_offset)
 from diffdrive_kinematics.ros.parameters.parameter_spec import (
-    check_frame, check_offset, Kind, ParameterSpec as Spec, string, topic)
+    Kind, ParameterSpec as Spec, string, topic)
 from diffdrive_kinematics.ros.parameters.tables.shared import (
     DIAGNOSTICS, EXECUTOR, GEOMETRY, JOINTS)
 

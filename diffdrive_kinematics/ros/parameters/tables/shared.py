@@ -18,10 +18,10 @@ import math
 
 from diffdrive_kinematics.core.kinematics import check_non_negative, check_positive
 from diffdrive_kinematics.core.noise import check_distribution, DISTRIBUTIONS
-from diffdrive_kinematics.ros.parameters.parameter_spec import (
+from diffdrive_kinematics.ros.parameters.parameter_checks import (
     check_bias, check_concentration, check_gear_ratio, check_joint_names, check_one_of,
-    check_pose, check_radius_multiplier, check_range, check_rate_or_off, Kind,
-    ParameterSpec as Spec)
+    check_pose, check_radius_multiplier, check_range, check_rate_or_off)
+from diffdrive_kinematics.ros.parameters.parameter_spec import Kind, ParameterSpec as Spec
 
 DIAGNOSTICS = Spec(
     'diagnostics_rate', 1.0, 'rate [Hz] of the status on /diagnostics; 0: off',

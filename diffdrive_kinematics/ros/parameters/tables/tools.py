@@ -18,10 +18,12 @@ from dataclasses import replace
 import math
 
 from diffdrive_kinematics.core.kinematics import check_non_negative, check_positive
-from diffdrive_kinematics.ros.parameters.parameter_spec import (
+from diffdrive_kinematics.ros.parameters.parameter_checks import (
     check_count, check_description, check_frame, check_named, check_one_of,
     check_optional_picture, check_picture, check_positive_or_nan, check_recording, check_seed,
-    check_stages, check_step, check_wheel_base, Kind, ParameterSpec as Spec, string, topic)
+    check_stages, check_step, check_wheel_base)
+from diffdrive_kinematics.ros.parameters.parameter_spec import (
+    Kind, ParameterSpec as Spec, string, topic)
 from diffdrive_kinematics.ros.parameters.tables.shared import (
     BIAS, DISTRIBUTION, ENCODER_RANGE, EXECUTOR, GEOMETRY, JOINTS, SEPARATION, SLIP, SQUARE, START)
 

@@ -15,8 +15,10 @@
 """The parameters of the nodes on which a robot is watched and driven."""
 
 from diffdrive_kinematics.core.kinematics import check_positive, check_rate
+from diffdrive_kinematics.ros.parameters.parameter_checks import (
+    check_frame, check_port)
 from diffdrive_kinematics.ros.parameters.parameter_spec import (
-    check_frame, check_port, Kind, ParameterSpec as Spec, string, topic)
+    Kind, ParameterSpec as Spec, string, topic)
 from diffdrive_kinematics.ros.parameters.tables.shared import (
     DIAGNOSTICS, EXECUTOR, RADII, SEPARATION)
 

@@ -18,10 +18,12 @@ from dataclasses import replace
 
 from diffdrive_kinematics.core.kinematics import check_duration, check_non_negative, check_rate
 from diffdrive_kinematics.core.noise import check_slip_model
-from diffdrive_kinematics.ros.parameters.parameter_spec import (
+from diffdrive_kinematics.ros.parameters.parameter_checks import (
     check_count, check_diagonal, check_frame, check_horizon, check_optional_seed,
-    check_positive_or_nan, check_prefix, check_resolution, check_seed,
-    check_stages, check_window, Kind, ParameterSpec as Spec, string, topic)
+    check_positive_or_nan, check_prefix, check_resolution, check_seed, check_stages,
+    check_window)
+from diffdrive_kinematics.ros.parameters.parameter_spec import (
+    Kind, ParameterSpec as Spec, string, topic)
 from diffdrive_kinematics.ros.parameters.tables.shared import (
     BIAS, DIAGNOSTICS, DISTRIBUTION, ENCODER_RANGE, EXECUTOR, GEOMETRY, JOINTS, RADII, SLIP, START)
 

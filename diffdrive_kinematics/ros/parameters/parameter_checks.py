@@ -1,0 +1,218 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""What the value of a parameter must satisfy, beyond its type."""
+
+import math
+from typing import Any, Callable, Tuple
+
+from diffdrive_kinematics.core.kinematics import (
+    check_above, check_duration, check_non_negative, check_positive, check_rate)
+from rclpy.exceptions import InvalidTopicNameException
+from rclpy.validate_topic_name import validate_topic_name
+
+__all__ = [
+    'Check', 'check_bias', 'check_concentration', 'check_count', 'check_description',
+    'check_diagonal', 'check_frame', 'check_gear_ratio', 'check_horizon', 'check_joint_names',
+    'check_named', 'check_offset', 'check_one_of', 'check_optional_picture',
+    'check_optional_seed', 'check_optional_topic', 'check_picture', 'check_port', 'check_pose',
+    'check_positive_or_nan', 'check_prefix', 'check_radius_multiplier', 'check_range',
+    'check_rate_or_off', 'check_recording', 'check_resolution', 'check_seed', 'check_stages',
+    'check_step', 'check_topic', 'check_wheel_base', 'check_window']
+
+Check = Callable[[str, Any], Any]
+MOST, MOST_STAGES, MOST_IN_WINDOW = 100_000, 25, 1000
+MOST_OFFSET = 1e9  # [s]
+
+
+def check_rate_or_off(name: str, value: float) -> None:
+    if value:
+        check_rate(name, value)
+
+
+def check_joint_names(name: str, value: Tuple[str, ...]) -> None:
+    if not value or not all(value) or len(set(value)) != len(value):
+        raise ValueError(f'{name} is {list(value)!r}, expected one or more different joint names')
+
+
+def check_seed(name: str, value: int) -> None:
+    if value < 0:
+        raise ValueError(f'{name} is {value!r}, expected an integer, 0 or above')
+
+
+def check_optional_seed(name: str, value: int) -> None:
+    if value < -1:
+        raise ValueError(f'{name} is {value!r}, expected an integer, -1 or above')
+
+
+def check_concentration(name: str, value: float) -> None:
+    if not math.isnan(value):
+        check_non_negative(name, value)
+
+
+def check_positive_or_nan(name: str, value: float) -> None:
+    if not math.isnan(value):
+        check_positive(name, value)
+
+
+def check_offset(name: str, value: float) -> None:
+    if not (math.isnan(value) or abs(value) <= MOST_OFFSET):
+        raise ValueError(
+            f'{name} is {value!r}, expected seconds within +-{MOST_OFFSET:g}, or NaN')
+
+
+def check_port(name: str, value: int) -> None:
+    if not 0 <= value <= 65535:
+        raise ValueError(f'{name} is {value}, expected 0 to 65535')
+
+
+def check_count(name: str, value: int) -> None:
+    if not 1 <= value <= MOST:
+        raise ValueError(f'{name} is {value!r}, expected an integer from 1 to {MOST}')
+
+
+def check_window(name: str, value: int) -> None:
+    if not 1 <= value <= MOST_IN_WINDOW:
+        raise ValueError(
+            f'{name} is {value!r}, expected an integer from 1 to {MOST_IN_WINDOW}')
+
+
+def check_stages(name: str, value: int) -> None:
+    if not 1 <= value <= MOST_STAGES:
+        raise ValueError(f'{name} is {value!r}, expected an integer from 1 to {MOST_STAGES}')
+
+
+def check_horizon(name: str, value: float) -> None:
+    check_positive(name, value)
+    check_duration(name, value)
+
+
+def check_picture(name: str, value: str) -> None:
+    if not value.endswith(('.png', '.svg')):
+        raise ValueError(f'{name} is {value!r}, expected the name of a .png or .svg file')
+
+
+def check_optional_picture(name: str, value: str) -> None:
+    if value:
+        check_picture(name, value)
+
+
+def check_recording(name: str, value: str) -> None:
+    if value and not value.endswith('.mcap'):
+        raise ValueError(f'{name} is {value!r}, expected the name of an .mcap file')
+
+
+def check_one_of(*known: str) -> Check:
+    def check(name: str, value: str) -> None:
+        if value not in known:
+            raise ValueError(f"{name} is {value!r}, expected one of {', '.join(map(repr, known))}")
+    return check
+
+
+def check_description(name: str, value: str) -> None:
+    if value and not value.endswith(('.urdf', '.yaml')):
+        raise ValueError(f'{name} is {value!r}, expected the name of a .urdf or .yaml file')
+
+
+def check_wheel_base(name: str, value: float) -> None:
+    if not math.isnan(value):
+        check_non_negative(name, value)
+
+
+def check_resolution(name: str, value: float) -> None:
+    if value and not 1e-3 <= value <= 1e9:
+        raise ValueError(f'{name} is {value!r}, expected 0, or from 1e-3 to 1e9 ticks a turn')
+
+
+def check_range(name: str, value: float) -> None:
+    if value and not 1e-6 <= value <= 1e12:
+        raise ValueError(f'{name} is {value!r}, expected 0, or a range from 1e-6 to 1e12 rad')
+
+
+def check_radius_multiplier(name: str, value: float) -> None:
+    if value < 0.0:
+        raise ValueError(f'{name} is {value!r}, expected a finite number above 0; for motors that '
+                         'turn the other way there are left_wheel_inverted, right_wheel_inverted')
+    check_positive(name, value)
+
+
+def check_gear_ratio(name: str, value: float) -> None:
+    if not 1e-3 <= value <= 1e6:
+        raise ValueError(
+            f'{name} is {value!r}, expected turns of the motor a turn of the wheel, from 1e-3 to '
+            '1e6; where it turns the other way there is left_wheel_inverted')
+
+
+def check_pose(name: str, value: Tuple[float, ...]) -> None:
+    if len(value) != 3 or not all(map(math.isfinite, value)):
+        raise ValueError(f'{name} is {list(value)!r}, expected three finite numbers [x, y, yaw]')
+
+
+def check_step(name: str, value: float) -> None:
+    if value and not 1e-6 <= value <= 1.0:
+        raise ValueError(f'{name} is {value!r}, expected 0, or a step from 1e-6 to 1 s')
+
+
+def check_diagonal(name: str, value: Tuple[float, ...]) -> None:
+    if len(value) != 6 or not all(math.isfinite(item) and item >= 0.0 for item in value):
+        raise ValueError(
+            f'{name} is {list(value)!r}, expected six finite numbers, 0 or above, for '
+            '(x, y, z, roll, pitch, yaw)')
+
+
+def check_named(name: str, value: str) -> None:
+    if not value:
+        raise ValueError(f'{name} is empty, expected a name')
+
+
+def check_frame(name: str, value: str) -> None:
+    check_named(name, value)
+    _check_part_of_frame(name, value)
+    if '~' in value:
+        raise ValueError(f"{name} is {value!r}, expected a name without '~'")
+    if value.startswith('/'):
+        name_of_tf2 = value.lstrip('/')
+        raise ValueError(
+            f"{name} is {value!r}, expected {repr(name_of_tf2) if name_of_tf2 else 'a name'}: tf2 "
+            "knows no frame that begins with '/'")
+
+
+def check_prefix(name: str, value: str) -> None:
+    _check_part_of_frame(name, value)
+    if '~' in value[1:] or value.startswith('~') and value[1:2] not in ('', '/'):
+        raise ValueError(
+            f"{name} is {value!r}, expected '~' for the namespace, '~/more', or a name without "
+            "'~'")
+
+
+def _check_part_of_frame(name: str, value: str) -> None:
+    if any(map(str.isspace, value)):
+        raise ValueError(f'{name} is {value!r}, expected a name without blanks')
+
+
+def check_bias(name: str, value: float) -> None:
+    check_above(name, value, -1.0)
+
+
+def check_topic(name: str, value: str) -> None:
+    try:
+        validate_topic_name(value)
+    except InvalidTopicNameException as error:
+        reason = str(error).partition(':')[2].strip().partition(':\n')[0]
+        raise ValueError(f'{name} is {value!r}, expected a topic name ({reason})') from None
+
+
+def check_optional_topic(name: str, value: str) -> None:
+    if value:
+        check_topic(name, value)
