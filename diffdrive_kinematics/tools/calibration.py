@@ -138,7 +138,8 @@ def of_drives(
     return Calibration(
         'trajectory fit', after, (slip.k_left.value, slip.k_right.value), tuple(rows), gains,
         (*_remarks(fit, drives), KNOWN_BY_RATIO if keep else KNOWN_BY_DRIVES,
-         *frozen_remark(whole, drives), *frame_remark(fit), *course_remarks(geometry, drives)), (fit, geometry, drives))
+         *frozen_remark(whole, drives), *frame_remark(fit), *course_remarks(geometry, drives)),
+        (fit, geometry, drives))
 
 
 def _remarks(fit: TrajectoryFit, drives: Sequence[RecordedDrive]) -> List[str]:
