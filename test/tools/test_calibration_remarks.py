@@ -60,3 +60,12 @@ def test_frozen_poses_and_a_reference_that_looks_back_are_in_the_report():
     assert 'looks backwards on the robot (yaw 3.00 rad)' in report
     assert 'looks backwards' not in table(of_drives(
         VALUES, GEOMETRY, [drive(0)], clock='offsets'))
+
+
+@pytest.mark.parametrize('mean_radius, words', [
+    ('', 'both radii and the separation'),
+    ('keep', 'the separation and the ratio of the radii; the mean radius is kept')])
+def test_the_report_says_which_parameters_are_known(mean_radius, words):
+    report = table(of_drives(
+        {**VALUES, 'mean_radius': mean_radius}, GEOMETRY, [drive(0)], clock='offsets'))
+    assert f'known from the drives: {words}' in report
