@@ -124,7 +124,7 @@ def arc_moments(
     q, c, v = slip
     angle = abs(turn)
     if angle > TURNING or angle > PIVOTING and distance * distance * v < TIGHT * q * angle * angle:
-        return turning_moments(distance, turn, slip)
+        return turning_moments(distance, turn, slip, swings=swings)
     if angle + 4.0 * v > REACH:
         part = arc_moments(0.5 * distance, 0.5 * turn, (0.5 * q, 0.5 * c, 0.5 * v))
         quarter = 0.25 * turn

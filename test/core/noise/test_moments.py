@@ -128,6 +128,18 @@ def test_closed_form_and_quadrature_agree(separations, turn, right, k_left, k_ri
             getattr(integrated, name), rel=1e-9, abs=1e-9 * abs(integrated.x_swing))
 
 
+@pytest.mark.parametrize('variance', [20.0, 75.0, 1e4])
+def test_a_heading_that_is_quite_lost_on_an_arc_that_turns_keeps_its_moments(variance):
+    """The mean of ``e^{i phi}`` is below the last digit of 1, or even 0."""
+    slip = 0.0025 * variance, 0.0005 * variance, variance
+    half = arc_moments(2.0, 0.5, tuple(0.5 * each for each in slip))
+    way = 2.0 * (cmath.exp(0.5j) - 1.0) / 0.5j * cmath.exp(0.5j)
+    halves, whole = followed(half, 0.5, way, half), arc_moments(4.0, 1.0, slip)
+    assert discrepancy(halves, whole) < 1e-9
+    assert whole.x_swing == pytest.approx(halves.x_swing, rel=1e-9)
+    assert whole.y_swing == pytest.approx(halves.y_swing, rel=1e-9)
+
+
 @LAW
 @given(headings, st.floats(-5.0, 5.0), st.floats(-1.0, 1.0), slips, slips)
 def test_a_second_moment_without_swings_is_that_of_all_moments(
