@@ -20,11 +20,11 @@ import math
 from typing import Any, Callable, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
 from diffdrive_kinematics.core.calibration import (
-    Clock, COMMANDED, corrected, fit_drive_slip, fit_trajectory, RecordedDrive, ReturnError,
-    slip_from_squares, TrajectoryFit, umbmark, Windows, without_frozen_poses)
+    Clock, COMMANDED, fit_drive_slip, fit_squares, fit_trajectory, RecordedDrive, ReturnError,
+    slip_from_squares, TrajectoryFit, Windows, without_frozen_poses)
 from diffdrive_kinematics.core.kinematics import WheelGeometry
 from diffdrive_kinematics.tools.calibration_remarks import (
-    course_remarks, frame_remark, frozen_remark)
+    course_remarks, frame_remark, frozen_remark, KNOWN_BY_DRIVES, KNOWN_BY_RATIO, square_remarks)
 from diffdrive_kinematics.tools.recordings import nobody
 
 __all__ = [
@@ -59,7 +59,8 @@ class Calibration:
     What was found.
 
     ``geometry`` has the corrected multipliers; ``slips`` are k (left, right) [m]. ``source`` is
-    the result it comes from, and what that was given, for the picture.
+    the result it comes from, and what that was given, for the picture. ``columns`` says what
+    the two numbers of each gain are.
     """
 
     method: str
@@ -69,6 +70,7 @@ class Calibration:
     gains: Tuple[Gain, ...]
     remarks: Tuple[str, ...]
     source: Any
+    columns: Tuple[str, str] = ('before', 'after')
 
 
 def of_squares(
@@ -77,20 +79,27 @@ def of_squares(
     """Return the calibration by UMBmark; ``ValueError`` where the runs do not allow one."""
     square = values['square_side'], clockwise, counterclockwise
     radius = values['square_corner_radius']
-    result = umbmark(geometry, *square, corner_radius=radius)
-    after = corrected(geometry, result)
+    fit = fit_squares(geometry, *square, corner_radius=radius)
+    result, after = fit.umbmark, fit.geometry
     slip = slip_from_squares(after, *square, corner_radius=radius)
+    ratio, separation = result.diameter_ratio, result.separation_ratio
+    left, right = after.left_wheel_radius_multiplier, after.right_wheel_radius_multiplier
+    wheel_error = left * right / (left + right) * ratio.error / ratio.value  # about their mean
     rows = (
-        Row('E_d (right over left wheel)', *result.diameter_ratio),
-        Row('E_b (true over nominal separation)', *result.separation_ratio),
+        Row('E_d (right over left wheel)', *ratio),
+        Row('E_b (true over nominal separation)', *separation),
         Row('alpha [rad]', *result.alpha), Row('beta [rad]', *result.beta),
-        *_multipliers(after, [None] * 3), Row('slip variance k [m]', *slip))
+        *_multipliers(after, [wheel_error, wheel_error, separation.error
+                              * geometry.wheel_separation_multiplier]),
+        Row('slip variance k [m]', *slip))
     remark = (f'{len(clockwise)} runs clockwise, {len(counterclockwise)} counterclockwise, side '
               f"{values['square_side']:g} m")
     return Calibration(
         'UMBmark', after, (slip.value, slip.value), rows,
-        (Gain('systematic return error E_max,syst [mm]', 1e3 * result.error_before,
-              1e3 * result.error_after),), (remark,), (result, clockwise, counterclockwise))
+        (Gain('return error E_max,syst [mm]', 1e3 * result.error_before,
+              1e3 * fit.predicted_error),),
+        (remark, *square_remarks(fit)), (result, clockwise, counterclockwise),
+        ('measured', 'predicted'))
 
 
 def of_drives(
@@ -128,8 +137,9 @@ def of_drives(
              1e3 * fit.after.heading))
     return Calibration(
         'trajectory fit', after, (slip.k_left.value, slip.k_right.value), tuple(rows), gains,
-        (*_remarks(fit, drives), *frozen_remark(whole, drives), *frame_remark(fit),
-         *course_remarks(geometry, drives)), (fit, geometry, drives))
+        (*_remarks(fit, drives), KNOWN_BY_RATIO if keep else KNOWN_BY_DRIVES,
+         *frozen_remark(whole, drives), *frame_remark(fit), *course_remarks(geometry, drives)),
+        (fit, geometry, drives))
 
 
 def _remarks(fit: TrajectoryFit, drives: Sequence[RecordedDrive]) -> List[str]:
@@ -155,7 +165,8 @@ def table(calibration: Calibration) -> str:
     lines += [
         f'{row.name:{width}}{_shown(row.value, row.error):>14}'
         f"{'-' if row.error is None else f'{row.error:.2g}':>14}" for row in calibration.rows]
-    lines.append(f"{'':{width}}{'before':>14}{'after':>14}")
+    before, after = calibration.columns
+    lines.append(f"{'':{width}}{before:>14}{after:>14}")
     lines += [f'{gain.name:{width}}{gain.before:>14.3f}{gain.after:>14.3f}'
               for gain in calibration.gains]
     return '\n'.join(lines)

@@ -17,16 +17,41 @@
 import math
 from typing import List, Sequence
 
-from diffdrive_kinematics.core.calibration import RecordedDrive, TrajectoryFit
+from diffdrive_kinematics.core.calibration import RecordedDrive, SquareFit, TrajectoryFit
 from diffdrive_kinematics.core.kinematics import WheelGeometry
 import numpy as np
 
-__all__ = ['course_remarks', 'frame_remark', 'frozen_remark']
+__all__ = [
+    'KNOWN_BY_DRIVES', 'KNOWN_BY_RATIO', 'course_remarks', 'frame_remark', 'frozen_remark',
+    'square_remarks']
+
+KNOWN_BY_DRIVES = 'known from the drives: both radii and the separation'
+KNOWN_BY_RATIO = (
+    'known from the drives: the separation and the ratio of the radii; the mean radius is kept '
+    'as it was')
 
 PERIOD_S = 0.5
 """Time over which wheel motion is taken together: single ticks look like turns."""
 FEWEST_TURNED = 0.2
 """Share of all turning that curves to one side should be at least."""
+
+
+def square_remarks(fit: SquareFit) -> List[str]:
+    """Return what runs around a square tell, what they do not, and what the prediction is."""
+    remarks = [
+        'known from a square: the separation and the ratio of the radii; the mean radius is kept '
+        'as it was: measure it along a straight']
+    for name, kept, ratio, counts in (
+            ('E_d', 'the radius multipliers stay', fit.umbmark.diameter_ratio,
+             fit.diameters_count),
+            ('E_b', 'wheel_separation_multiplier stays', fit.umbmark.separation_ratio,
+             fit.separation_counts)):
+        if not counts:
+            remarks.append(
+                f'{name}: no correction: {ratio.value:.5f} is within its error of 1, +- '
+                f'{fit.quantile * ratio.error:.5f} (95 %): {kept} as before; more runs tell more')
+    return [*remarks, 'predicted: the root mean square in as many new runs; it counts the error '
+            'of this estimate and the scatter of the new runs']
 
 
 def frozen_remark(whole: Sequence[RecordedDrive], kept: Sequence[RecordedDrive]) -> List[str]:

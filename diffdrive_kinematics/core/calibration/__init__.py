@@ -32,6 +32,7 @@ from diffdrive_kinematics.core.calibration.slip_fit import (
     fit_reference_noise, fit_slip, nees_per_dof)
 from diffdrive_kinematics.core.calibration.slip_result import NO_NOISE, ReferenceNoise, SlipFit
 from diffdrive_kinematics.core.calibration.slip_window import slip_window, SlipWindow
+from diffdrive_kinematics.core.calibration.square_fit import fit_squares, SquareFit
 from diffdrive_kinematics.core.calibration.square_runs import ReturnError, Umbmark
 from diffdrive_kinematics.core.calibration.square_slip import slip_from_squares
 from diffdrive_kinematics.core.calibration.trajectory_fit import fit_trajectory
@@ -45,9 +46,9 @@ from diffdrive_kinematics.core.calibration.window_weights import Variances
 __all__ = [
     'COMMANDED', 'CalibrationParameters', 'Clock', 'Estimate', 'Iteration', 'NO_FRAME',
     'NO_NOISE', 'RecordedDrive', 'ReferenceNoise', 'Residual', 'ReturnError', 'SlipFit',
-    'SlipWindow', 'TrajectoryFit', 'Umbmark', 'Variances', 'WindowResiduals', 'WindowSet',
-    'Windows', 'corrected', 'drive_from_commands', 'drive_from_positions', 'drive_from_rates',
-    'drive_from_ticks', 'fit_drive_slip', 'fit_reference_noise', 'fit_slip', 'fit_trajectory',
-    'linearised', 'nees_per_dof', 'odometry_at', 'slip_from_squares', 'slip_window',
-    'slip_windows', 'umbmark', 'windows_between',
+    'SlipWindow', 'SquareFit', 'TrajectoryFit', 'Umbmark', 'Variances', 'WindowResiduals',
+    'WindowSet', 'Windows', 'corrected', 'drive_from_commands', 'drive_from_positions',
+    'drive_from_rates', 'drive_from_ticks', 'fit_drive_slip', 'fit_reference_noise', 'fit_slip',
+    'fit_squares', 'fit_trajectory', 'linearised', 'nees_per_dof', 'odometry_at',
+    'slip_from_squares', 'slip_window', 'slip_windows', 'umbmark', 'windows_between',
     'without_frozen_poses']

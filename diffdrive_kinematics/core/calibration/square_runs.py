@@ -53,9 +53,9 @@ class Umbmark:
     """
     Systematic errors, and the correction that follows from them.
 
-    ``(value - truth) / error`` follows Student's t with ``degrees_of_freedom``, as far as the
-    first order holds: trust the standard errors of the last pass, and those of the first only
-    if the remainder, about ``error_after``, is small beside the scatter.
+    ``(value - truth) / error`` follows Student's t with ``degrees_of_freedom``: of
+    :func:`.fit_squares` always, of :func:`.umbmark` as far as the first order holds, which is
+    where the remainder, about ``error_after``, is small beside the scatter.
 
     Parameters
     ----------

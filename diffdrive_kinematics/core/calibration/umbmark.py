@@ -20,7 +20,7 @@ IEEE Trans. Robotics and Automation 12(6), 1996, and their report UM-MEAM-94-22.
 separation (their type A) makes every turn of the robot wrong, unequal wheels (type B) turn it
 along every side; driven in one direction only, one can hide the other.  The equations, see
 :mod:`.square_errors`, are of the first order, and what that leaves vanishes over a few passes:
-correct, drive again, correct again.
+correct, drive again, correct again; :mod:`.square_fit` solves them exactly in one.
 """
 
 from dataclasses import replace
@@ -35,7 +35,7 @@ from diffdrive_kinematics.core.kinematics import (
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ['corrected', 'umbmark']
+__all__ = ['corrected', 'reread', 'umbmark', 'with_ratios']
 
 Array = NDArray[np.float64]
 
@@ -96,7 +96,7 @@ def umbmark(
     e_b, e_d = ratios_of_angles(side, corner_radius, geometry.separation, angles)
     centre_cw, centre_ccw = (
         ReturnError(*runs.mean(axis=0).tolist()) for runs in (runs_cw, runs_ccw))
-    after = _corrected(geometry, e_b.value, e_d.value)
+    after = with_ratios(geometry, e_b.value, e_d.value)
     left_cw, left_ccw = (
         _remainder(course, geometry, after, centre)
         for course, centre in zip(courses, (centre_cw, centre_ccw)))
@@ -138,7 +138,7 @@ def corrected(geometry: WheelGeometry, result: Umbmark) -> WheelGeometry:
     See :func:`umbmark`.
 
     """
-    return _corrected(geometry, result.separation_ratio.value, result.diameter_ratio.value)
+    return with_ratios(geometry, result.separation_ratio.value, result.diameter_ratio.value)
 
 
 def _checked(name: str, runs: Sequence[ReturnError]) -> Array:
@@ -155,7 +155,28 @@ def _checked(name: str, runs: Sequence[ReturnError]) -> Array:
     return np.array(runs, dtype=np.float64)
 
 
-def _corrected(geometry: WheelGeometry, e_b: float, e_d: float) -> WheelGeometry:
+def with_ratios(geometry: WheelGeometry, e_b: float, e_d: float) -> WheelGeometry:
+    """
+    Return the geometry with E_b and E_d on top of its multipliers.
+
+    Parameters
+    ----------
+    geometry : WheelGeometry
+        Geometry that odometry used.
+    e_b, e_d : float
+        True separation over that of the geometry, and right wheel over left wheel [1].
+
+    Returns
+    -------
+    WheelGeometry
+        The same nominal lengths and mean radius with other multipliers.
+
+    Examples
+    --------
+    >>> with_ratios(WheelGeometry(0.5, 0.125), 1.02, 1.0).separation
+    0.51
+
+    """
     left, right = geometry.left_wheel_radius_multiplier, geometry.right_wheel_radius_multiplier
     c_left = (left + right) / (left + e_d * right)
     return replace(
@@ -169,11 +190,31 @@ def _remainder(
         course: Sequence[Command], before: WheelGeometry, after: WheelGeometry,
         centre: ReturnError) -> ReturnError:
     """Return the error that is left if the wheel motion of a run is read with ``after``."""
-    end = pose_after(Pose(0.0, 0.0, 0.0), [_reread(each, before, after) for each in course])
+    end = pose_after(Pose(0.0, 0.0, 0.0), [reread(each, before, after) for each in course])
     return ReturnError(centre.x - float(end.x), centre.y - float(end.y))
 
 
-def _reread(command: Command, before: WheelGeometry, after: WheelGeometry) -> Command:
-    """Return a command of ``before`` as ``after`` reads the wheel rates that it makes."""
+def reread(command: Command, before: WheelGeometry, after: WheelGeometry) -> Command:
+    """
+    Return a command of ``before`` as ``after`` reads the wheel rates that it makes.
+
+    Parameters
+    ----------
+    command : Command
+        Motion as odometry saw it.
+    before, after : WheelGeometry
+        Geometry that odometry used, and another one.
+
+    Returns
+    -------
+    Command
+        The motion of the same wheels with the other geometry.
+
+    Examples
+    --------
+    >>> reread(Command(0.0, 1.0, 2.0), WheelGeometry(0.5, 0.125), WheelGeometry(1.0, 0.125))
+    Command(v=0.0, w=0.5, duration=2.0)
+
+    """
     left, right = wheel_rates_from_twist(before, command.v, command.w)
     return Command(*twist_from_wheel_rates(after, left, right), command.duration)
