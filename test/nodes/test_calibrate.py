@@ -23,6 +23,7 @@ from builtin_interfaces.msg import Time
 from diffdrive_kinematics.core.kinematics import (
     advance, Pose, twist_from_wheel_rates, WheelGeometry)
 from diffdrive_kinematics.core.odometry import WheelSample
+from diffdrive_kinematics.ros.parameters.package_share import share_directory
 from diffdrive_kinematics.tools.collection import Collection
 from geometry_msgs.msg import Pose as PoseMsg
 from geometry_msgs.msg import PoseStamped
@@ -111,6 +112,31 @@ def test_two_passes_of_umbmark_over_topics_leave_a_fiftieth_of_the_error(graph, 
         'wheel_separation_multiplier: 1.02, ', ''))
     _, left = drive_squares(graph, robot, simulated, found[1])
     assert left < errors[0] / 50.0
+
+
+@pytest.mark.slow
+def test_the_shipped_squares_are_calibrated_to_the_robot_that_they_ship_with(graph, tmp_path):
+    config, lines = share_directory() / 'config', HEADER
+    for clockwise in (1, 0):
+        for seed in (1, 2, 3):
+            sim = graph.start('diffdrive_sim', args=[
+                '--ros-args', '--params-file', str(config / 'squares.yaml'),
+                '--params-file', str(config / 'true.yaml'), '-p', f'wheel_noise:seed:={seed}',
+                '-p', f'command_sequence:square_clockwise:={"true" if clockwise else "false"}'])
+            assert sim.wait() == 0, sim.output
+            end = end_positions(sim.output)
+            assert end[2:] == pytest.approx([0.0, 0.0], abs=1e-3)  # it believes to be back
+            lines += ','.join(map(str, [clockwise, *end])) + '\n'
+    runs, written = tmp_path / 'runs.csv', tmp_path / 'found.yaml'
+    runs.write_text(lines)
+    calibrate = graph.start('calibrate', args=[
+        *GEOMETRY, '-p', f'square_runs:={runs}', '-p', 'square_side:=1.0', '-p',
+        f'output:={written}'])
+    assert calibrate.wait() == 0, calibrate.output
+    for name, truth in (('E_d', 1.002 / 0.998), ('E_b', 1.01)):
+        value, error = map(float, re.search(
+            rf'^{name} \(.*\) +(\S+) +(\S+)$', calibrate.output, re.M).groups())
+        assert abs(value - truth) < 2.776 * error, calibrate.output  # Student's t of 95 %
 
 
 @pytest.mark.parametrize('rows, words', [
