@@ -38,7 +38,7 @@ from diffdrive_kinematics.core.noise.planar import (
 from diffdrive_kinematics.core.noise.polygons import area, perimeter, simplified
 from diffdrive_kinematics.core.noise.pose_covariance import NO_COVARIANCE, PoseCovariance
 from diffdrive_kinematics.core.noise.pose_moments import (
-    CERTAIN, followed, gaussian_moments, heading_moments, PoseMoments)
+    CERTAIN, followed, gaussian_moments, heading_moments, PoseMoments, second_moment_after)
 from diffdrive_kinematics.core.noise.projected import Projected, projected
 from diffdrive_kinematics.core.noise.projection import propagate, sample_paths
 from diffdrive_kinematics.core.noise.reachable import reachable_set, reachable_set_from_slip
@@ -56,6 +56,6 @@ __all__ = [
     'moved_covariance', 'outer_boundary', 'perimeter', 'planar_covariance', 'planar_pose',
     'pose_jacobians', 'projected', 'propagate', 'propagated_covariance', 'propagated_moments',
     'reachable_set', 'reachable_set_from_slip', 'rotations', 'sample_heading', 'sample_paths',
-    'sample_travel', 'simplified', 'slip_covariance', 'slip_on_arc', 'stage_from_slip',
-    'step_noise', 'travel_of_command', 'travel_variance', 'twist_covariance', 'unit_bound',
-    'von_mises_moments', 'with_pivots_joined', 'yaw_from_quaternion']
+    'sample_travel', 'second_moment_after', 'simplified', 'slip_covariance', 'slip_on_arc',
+    'stage_from_slip', 'step_noise', 'travel_of_command', 'travel_variance', 'twist_covariance',
+    'unit_bound', 'von_mises_moments', 'with_pivots_joined', 'yaw_from_quaternion']

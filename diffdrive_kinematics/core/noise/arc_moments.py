@@ -30,8 +30,8 @@ it is made, Stratonovich).  Slip at t moves the mean of the end, given all up to
 distance along the track and its share of heading times ``i rho``, turned by phi(t).  The end is
 the integral of that over independent slip (Clark & Ocone; Nualart, Malliavin Calculus, sec. 1.3),
 so its covariance is the integral of the squares: one integral over the arc.  It is a closed form
-(:mod:`.turning_moments`), which loses digits where the turn is small: there it is Gauss-Legendre
-quadrature with 3 to 5 nodes.  Where V is large, and the turn is not, an arc is two halves of it.
+(:mod:`.turning_moments`), which loses digits where the turn is small: there it is quadrature
+(:mod:`.integrated_moments`).  Where V is large, and the turn is not, an arc is two halves of it.
 
 Arcs follow one another by :func:`followed`: only moments of ``e^{i phi}``, and what the position
 has to do with it, are needed.  Everything is kept about the mean, so nothing cancels on a
@@ -40,42 +40,19 @@ included.
 """
 
 import math
-from typing import NamedTuple, Tuple
+from typing import Tuple
 
 from diffdrive_kinematics.core.kinematics import (
     advance, check_non_negative, Pose, pose_change_from_travel, WheelGeometry)
-from diffdrive_kinematics.core.noise.heading_moments import GAUSSIAN
-from diffdrive_kinematics.core.noise.pose_covariance import PoseCovariance
+from diffdrive_kinematics.core.noise.integrated_moments import integrated_moments, REACH
 from diffdrive_kinematics.core.noise.pose_moments import followed, PoseMoments
 from diffdrive_kinematics.core.noise.turning_moments import turning_moments
 
 __all__ = ['arc_moments', 'propagated_moments', 'slip_on_arc']
 
-
-class _Rule(NamedTuple):
-    """Gauss-Legendre quadrature over [0, 1], up to a turn + 4 V of ``reach``."""
-
-    reach: float
-    nodes: Tuple[Tuple[float, float], ...]  # (t, weight)
-    exponential: Tuple[float, ...]  # of (e^z - 1) / z, the highest power first
-
-
-def _exponential(terms: int) -> Tuple[float, ...]:
-    return tuple(1.0 / math.factorial(n) for n in range(terms, 0, -1))
-
-
-THIRD = math.sqrt(0.15)
-RULES = (
-    _Rule(0.005, ((0.5 - THIRD, 5 / 18), (0.5, 4 / 9), (0.5 + THIRD, 5 / 18)), _exponential(7)),
-    _Rule(0.15, (
-        (0.06943184420297371, 0.17392742256872693), (0.33000947820757187, 0.3260725774312731),
-        (0.6699905217924281, 0.3260725774312731), (0.9305681557970263, 0.17392742256872693)),
-        _exponential(9)),
-    _Rule(0.4, (
-        (0.04691007703066800, 0.11846344252809454), (0.23076534494715845, 0.23931433524968324),
-        (0.5, 0.28444444444444444), (0.7692346550528415, 0.23931433524968324),
-        (0.9530899229693320, 0.11846344252809454)), _exponential(12)))
 TURNING = 0.3  # [rad], from where the closed form keeps digits enough
+PIVOTING = 0.05  # [rad], from where it does on small radii: s^2 V < TIGHT Q Delta^2, which is a
+TIGHT = 1e3  # radius below 16 separations
 
 
 def slip_on_arc(
@@ -115,7 +92,8 @@ def slip_on_arc(
 
 
 def arc_moments(
-        distance: float, turn: float, slip: Tuple[float, float, float]) -> PoseMoments:
+        distance: float, turn: float, slip: Tuple[float, float, float], *,
+        swings: bool = True) -> PoseMoments:
     """
     Return the moments that an arc makes of a pose that is known, in the frame of its start.
 
@@ -127,6 +105,8 @@ def arc_moments(
         Change of the heading Delta [rad].
     slip : tuple of float
         Q [m^2], C [m rad] and V [rad^2] of the arc.
+    swings : bool
+        Whether to find the swings, which only what follows needs; they may be NaN otherwise.
 
     Returns
     -------
@@ -142,53 +122,16 @@ def arc_moments(
 
     """
     q, c, v = slip
-    if abs(turn) > TURNING:
-        return turning_moments(distance, turn, slip)
-    reach = abs(turn) + 4.0 * v
-    if reach > RULES[-1].reach:
+    angle = abs(turn)
+    if angle > TURNING or angle > PIVOTING and distance * distance * v < TIGHT * q * angle * angle:
+        return turning_moments(distance, turn, slip, swings=swings)
+    if angle + 4.0 * v > REACH:
         part = arc_moments(0.5 * distance, 0.5 * turn, (0.5 * q, 0.5 * c, 0.5 * v))
         quarter = 0.25 * turn
         way = 0.5 * distance * (math.sin(quarter) / quarter if quarter else 1.0)
         middle = complex(math.cos(3.0 * quarter), math.sin(3.0 * quarter))
         return followed(part, 0.5 * turn, way * middle, part)
-    _, nodes, exponential = next(rule for rule in RULES if reach <= rule.reach)
-    xx = xy = xt = yy = yt = x_of_sin = x_of_cos = y_of_sin = y_of_cos = 0.0
-    mean = 0j
-    drive, rate = complex(distance, 0.5 * c), complex(-0.5 * v, turn)
-    end = math.exp(-0.5 * v)
-    for t, weight in nodes:
-        rest = 1.0 - t
-        power, z = 0j, rate * rest
-        for coefficient in exponential:
-            power = power * z + coefficient
-        cosine, sine = math.cos(turn * t), math.sin(turn * t)
-        left = complex(cosine, sine)
-        rho = left * drive * (rest * power)
-        loss = -math.expm1(-0.5 * v * t)
-        damping = 1.0 - loss
-        across, along = -rho.imag, rho.real
-        with_x, with_y = c * cosine + v * across, c * sine + v * along
-        node_xx = q * cosine * cosine + across * (c * cosine + with_x)
-        node_yy = q * sine * sine + along * (c * sine + with_y)
-        node_xy = cosine * (q * sine + c * along) + across * with_y
-        sine_square = -0.5 * math.expm1(-2.0 * v * t)
-        swung = (node_xx - node_yy) * sine_square
-        xx += weight * (node_xx - swung)
-        yy += weight * (node_yy + swung)
-        xy += weight * node_xy * (1.0 - 2.0 * sine_square)
-        xt += weight * with_x * damping
-        yt += weight * with_y * damping
-        left_over = weight * end / damping
-        with_x *= left_over
-        with_y *= left_over
-        x_of_sin += with_x * (1.0 - sine_square)
-        x_of_cos += with_y * sine_square
-        y_of_sin += with_y * (1.0 - sine_square)
-        y_of_cos -= with_x * sine_square
-        mean += weight * left * complex(-distance * loss, 0.5 * c * damping)
-    return PoseMoments(
-        PoseCovariance(xx, xy, xt, yy, yt, v), mean, complex(x_of_cos, x_of_sin),
-        complex(y_of_cos, y_of_sin), GAUSSIAN)
+    return integrated_moments(distance, turn, slip, swings=swings)
 
 
 def propagated_moments(

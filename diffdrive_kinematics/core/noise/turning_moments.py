@@ -29,9 +29,12 @@ from diffdrive_kinematics.core.noise.pose_moments import PoseMoments
 
 __all__ = ['turning_moments']
 
+UNKNOWN = complex(math.nan, math.nan)
+
 
 def turning_moments(
-        distance: float, turn: float, slip: Tuple[float, float, float]) -> PoseMoments:
+        distance: float, turn: float, slip: Tuple[float, float, float], *,
+        swings: bool = True) -> PoseMoments:
     """
     Return the moments that an arc makes of a pose that is known, in the frame of its start.
 
@@ -46,6 +49,8 @@ def turning_moments(
         Change of the heading Delta [rad], not 0.
     slip : tuple of float
         Q [m^2], C [m rad] and V [rad^2] of the arc.
+    swings : bool
+        Whether to find the swings; they are NaN otherwise.
 
     Returns
     -------
@@ -81,13 +86,15 @@ def turning_moments(
     difference = q * twice + 2j * c * to_end - v * lever * (
         lever * damped * (damped * even - thrice) - to_end)
     with_heading = own * once + both * damped
-    swing = own * (ahead - damping) / complex(0.5 * v, turn) + both * damped * even / damping
-    kept = damping * (own * thrice + both * damped * even)
     mean = (distance * (ahead * lost + 0.5 * v * (ahead - 1.0) / complex(0.0, turn)) / rate
             + 0.5j * c * once)
+    spread = PoseCovariance(
+        0.5 * (total + difference.real), 0.5 * difference.imag, with_heading.real,
+        0.5 * (total - difference.real), with_heading.imag, v)
+    if not swings:
+        return PoseMoments(spread, mean, UNKNOWN, UNKNOWN, GAUSSIAN)
+    swing = own * (ahead - damping) / complex(0.5 * v, turn) + both * ahead * even
+    kept = damping * (own * thrice + both * damped * even)
     return PoseMoments(
-        PoseCovariance(
-            0.5 * (total + difference.real), 0.5 * difference.imag, with_heading.real,
-            0.5 * (total - difference.real), with_heading.imag, v),
-        mean, complex(0.5 * (swing.imag - kept.imag), 0.5 * (swing.real + kept.real)),
+        spread, mean, complex(0.5 * (swing.imag - kept.imag), 0.5 * (swing.real + kept.real)),
         complex(0.5 * (kept.real - swing.real), 0.5 * (swing.imag + kept.imag)), GAUSSIAN)

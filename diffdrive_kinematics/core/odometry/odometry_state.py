@@ -19,12 +19,14 @@ The pose at a time is one exact arc from the anchor, so publishing neither accum
 anything.
 """
 
-from typing import NamedTuple, Optional, TypeVar
+from typing import NamedTuple, Optional, Tuple, TypeVar
 
 from diffdrive_kinematics.core.kinematics import (
-    displacement, travel_from_angles, twist_from_wheel_rates, WheelGeometry)
+    displacement, pose_change_from_travel, travel_from_angles, twist_from_wheel_rates,
+    WheelGeometry)
 from diffdrive_kinematics.core.noise import (
-    arc_moments, CERTAIN, followed, NO_COVARIANCE, PoseCovariance, PoseMoments, slip_on_arc)
+    arc_moments, CERTAIN, followed, NO_COVARIANCE, PoseCovariance, PoseMoments,
+    second_moment_after, slip_on_arc)
 from diffdrive_kinematics.core.odometry.anchor import Anchor
 from diffdrive_kinematics.core.odometry.base_state import BaseState
 from diffdrive_kinematics.core.odometry.measured_wheels import MeasuredWheels
@@ -157,9 +159,13 @@ class OdometryState(NamedTuple):
         '-2.0e-04 m'
 
         """
-        if self.slip_variances == ZERO and self.anchor.moments is CERTAIN:
+        moments, heading = self.anchor.moments, self.anchor.heading
+        if self.slip_variances == ZERO and moments is CERTAIN:
             return NO_COVARIANCE
-        return self.moments_at(time_ns).second_moment()
+        angle = self.wheels.angle_at(time_ns)
+        if angle == ZERO:
+            return moments.second_moment()
+        return second_moment_after(moments, heading, *self._arc(heading, angle, swings=False))
 
     def moments_at(self, time_ns: int) -> PoseMoments:
         """
@@ -231,9 +237,14 @@ class OdometryState(NamedTuple):
         moments = anchor.moments
         if angle == ZERO or self.slip_variances == ZERO and moments is CERTAIN:
             return moments
-        d_left, d_right = travel_from_angles(self.geometry, *angle)
-        distance, turn = twist_from_wheel_rates(self.geometry, *angle)
-        slip = slip_on_arc(self.geometry, d_left, d_right, *self.slip_variances)
-        return followed(
-            moments, anchor.heading, complex(*displacement(anchor.heading, distance, turn)),
-            arc_moments(distance, turn, slip))
+        heading = anchor.heading
+        return followed(moments, heading, *self._arc(heading, angle, swings=True))
+
+    def _arc(self, heading: float, angle: WheelPair, swings: bool) -> Tuple[complex, PoseMoments]:
+        """Return the way that the wheels make from a heading [rad], and its moments."""
+        geometry = self.geometry
+        d_left, d_right = travel_from_angles(geometry, *angle)
+        distance, turn = pose_change_from_travel(geometry, d_left, d_right)
+        return complex(*displacement(heading, distance, turn)), arc_moments(
+            distance, turn, slip_on_arc(geometry, d_left, d_right, *self.slip_variances),
+            swings=swings)

@@ -25,7 +25,8 @@ import math
 from diffdrive_kinematics.core.kinematics import Pose, pose_change_from_travel, WheelGeometry
 from diffdrive_kinematics.core.noise import (
     arc_moments, CERTAIN, followed, gaussian_moments, heading_moments, NO_COVARIANCE,
-    PoseCovariance, propagated_covariance, propagated_moments, slip_on_arc)
+    PoseCovariance, propagated_covariance, propagated_moments, second_moment_after, slip_on_arc)
+from diffdrive_kinematics.core.noise.integrated_moments import integrated_moments
 from diffdrive_kinematics.core.noise.turning_moments import turning_moments
 from hypothesis import assume, given, settings, strategies as st
 import numpy as np
@@ -112,17 +113,47 @@ def test_the_moments_solve_their_differential_equations(distance, turn, slip):
 
 
 @LAW
-@given(st.floats(-20.0, 20.0), st.floats(0.25, 0.3), st.booleans(), st.floats(1e-9, 0.01),
+@given(st.floats(-15.0, 15.0), st.floats(0.05, 0.3), st.booleans(), st.floats(1e-9, 0.01),
        st.floats(1e-9, 0.01))
-def test_closed_form_and_quadrature_agree(distance, turn, right, k_left, k_right):
-    turn = -turn if right else turn
+def test_closed_form_and_quadrature_agree(separations, turn, right, k_left, k_right):
+    """On radii where one gives way to the other."""
+    distance, turn = separations * 0.2 * turn, -turn if right else turn
     slip = slip_on_arc(GEOMETRY, *travel_of(distance, turn), k_left, k_right)
-    closed, integrated = turning_moments(distance, turn, slip), arc_moments(distance, turn, slip)
-    assert discrepancy(closed, integrated) < 1e-9
+    closed = turning_moments(distance, turn, slip)
+    integrated = integrated_moments(distance, turn, slip, swings=True)
+    assert discrepancy(closed, integrated) < 1e-10
     assert closed.mean_error == pytest.approx(integrated.mean_error, rel=1e-9)
     for name in ('x_swing', 'y_swing'):
         assert getattr(closed, name) == pytest.approx(
             getattr(integrated, name), rel=1e-9, abs=1e-9 * abs(integrated.x_swing))
+
+
+@pytest.mark.parametrize('variance', [20.0, 75.0, 1e4])
+def test_a_heading_that_is_quite_lost_on_an_arc_that_turns_keeps_its_moments(variance):
+    """The mean of ``e^{i phi}`` is below the last digit of 1, or even 0."""
+    slip = 0.0025 * variance, 0.0005 * variance, variance
+    half = arc_moments(2.0, 0.5, tuple(0.5 * each for each in slip))
+    way = 2.0 * (cmath.exp(0.5j) - 1.0) / 0.5j * cmath.exp(0.5j)
+    halves, whole = followed(half, 0.5, way, half), arc_moments(4.0, 1.0, slip)
+    assert discrepancy(halves, whole) < 1e-9
+    assert whole.x_swing == pytest.approx(halves.x_swing, rel=1e-9)
+    assert whole.y_swing == pytest.approx(halves.y_swing, rel=1e-9)
+
+
+@LAW
+@given(headings, st.floats(-5.0, 5.0), st.floats(-1.0, 1.0), slips, slips)
+def test_a_second_moment_without_swings_is_that_of_all_moments(
+        heading, distance, turn, k_left, k_right):
+    d = travel_of(distance, turn)
+    pose, before = propagated_moments(
+        gaussian_moments(PoseCovariance(0.01, 0.001, 0.002, 0.02, 0.003, 0.04)),
+        Pose(0.0, 0.0, heading), GEOMETRY, 0.3, 0.5, k_left, k_right)
+    after, moments = propagated_moments(before, pose, GEOMETRY, *d, k_left, k_right)
+    arc = arc_moments(*pose_change_from_travel(GEOMETRY, *d),
+                      slip_on_arc(GEOMETRY, *d, k_left, k_right), swings=False)
+    assert second_moment_after(
+        before, pose.theta, complex(after.x - pose.x, after.y - pose.y), arc
+    ) == moments.second_moment()
 
 
 @pytest.mark.parametrize('n', range(1, 101))
