@@ -54,7 +54,8 @@ class Teleop(DiffDriveNode[Config]):
     """
     Publishes while a key is held, rest once it ends, and nothing else.
 
-    A key ends where it is released, if the terminal tells, or after ``key_timeout`` of silence.
+    A key ends where it is released, if the terminal tells, and after ``key_timeout`` without a
+    repeat in any case: a terminal that lost the focus, or hangs, tells of no release.
     """
 
     def __init__(self, name: str = 'teleop', **composition: Any) -> None:
@@ -66,7 +67,7 @@ class Teleop(DiffDriveNode[Config]):
             TwistStamped if stamped else Twist, values['cmd_vel_topic'])
         self._speeds = values['speed'], values['yaw_rate']
         try:
-            self._keyboard = Keyboard(sys.stdin.fileno())
+            self._keyboard = Keyboard(sys.stdin.fileno() if sys.stdin else -1)
         except ValueError as error:
             raise ConfigurationError(
                 f'{self.get_fully_qualified_name()} refuses to start: {error}') from error
@@ -89,10 +90,7 @@ class Teleop(DiffDriveNode[Config]):
                 self._press(key.text)
             elif key.text == self._key:
                 self._helm = self._helm.left(SOMEBODY)
-        now_s = time.monotonic()
-        if self._keyboard.tells_releases and self._helm.viewer:
-            self._helm = self._helm._replace(since_s=now_s)  # held until it is released
-        self._helm = self._helm.at(now_s)
+        self._helm = self._helm.at(time.monotonic())
         driving = bool(self._helm.viewer) and not self.done
         if driving or self._drove:
             self._send(self._helm.command if driving else (0.0, 0.0))

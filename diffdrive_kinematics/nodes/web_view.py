@@ -21,6 +21,7 @@ from typing import Any, List, Mapping, Tuple
 
 from diagnostic_msgs.msg import DiagnosticArray
 from diffdrive_kinematics.ros.inputs.remote_parameters import RemoteParameters
+from diffdrive_kinematics.ros.inputs.remote_triggers import RemoteTriggers
 from diffdrive_kinematics.ros.messages.codec import TwistCodec
 from diffdrive_kinematics.ros.messages.messages import set_stamp
 from diffdrive_kinematics.ros.parameters.parameters import ConfigurationError
@@ -30,12 +31,11 @@ from diffdrive_kinematics.ros.runtime.node import DiffDriveNode
 from diffdrive_kinematics.ros.runtime.running import main_of
 from diffdrive_kinematics.tools.helm import Helm
 from diffdrive_kinematics.tools.page_frame import check_numbers, PageFrame
+from diffdrive_kinematics.tools.same_origin import LOOPBACK
 from geometry_msgs.msg import PolygonStamped, PoseArray, PoseStamped, Twist, TwistStamped
 from nav_msgs.msg import Odometry, Path
 from rclpy.publisher import Publisher
-from std_srvs.srv import Trigger
 
-LOOPBACK = ('127.0.0.1', 'localhost', '::1')
 SILENCE_S = 0.3  # of a viewer who drives, after which the robot stands
 NOISE = (  # what is set in the noise node: label, range, step
     ('left_bias', 'left bias', -0.05, 0.05, 0.001),
@@ -55,7 +55,7 @@ class WebView(DiffDriveNode[Config]):
     """
     Serves the page; it subscribes to nothing while nobody looks.
 
-    What viewers do is taken up at the rate of the page, by methods ``_do_<name>``.
+    What viewers do is taken up at the rate of the page.
     """
 
     def __init__(self, name: str = 'web_view', **composition: Any) -> None:
@@ -73,17 +73,20 @@ class WebView(DiffDriveNode[Config]):
                 self._pass_on)
         self._goals = self.runtime.publish(PoseStamped, values['goal_topic'])
         self._plans = self.runtime.publish(Path, values['plan_topic'])
-        self._triggers = {
-            name: [self.create_client(Trigger, service) for service in services]
-            for name, services in (
-                ('reset', [f'{node}/reset' for node in values['base_nodes']]),
-                ('stop', [f"{values['controller_node']}/stop"]),
-                ('resume', [f"{values['controller_node']}/resume"]))}
+        self._triggers = RemoteTriggers(self, {
+            'reset': [f'{node}/reset' for node in values['base_nodes']],
+            'stop': [f"{values['controller_node']}/stop"],
+            'resume': [f"{values['controller_node']}/resume"]}, self._complain)
         noise = values['noise_node']
         self._noise = RemoteParameters(
             self, noise, [each[0] for each in NOISE],
             lambda numbers: self._page.show(numbers)) if noise else None
         self._heard: List[Any] = []
+        self._stopped = False  # by a viewer, whatever the controller says
+        self._actions = {
+            'drive': self._do_drive, 'goal': self._do_goal, 'set': self._do_set,
+            'reset': self._do_reset, 'stop': self._do_stop, 'resume': self._do_resume,
+            'joined': self._do_joined, 'left': self._do_left}
         self._page = self._served(values)
         self.runtime.every(values['frame_rate'], self._tick, steadily=True)
 
@@ -133,7 +136,7 @@ class WebView(DiffDriveNode[Config]):
         self._heard = []
 
     def _pass_on(self, message: Any) -> None:
-        if not self._helm.viewer:
+        if not (self._helm.viewer or self._stopped):
             self._commands.publish(message)
 
     # What viewers do.
@@ -143,8 +146,8 @@ class WebView(DiffDriveNode[Config]):
         while page.actions:
             action = page.actions.popleft()
             try:
-                getattr(self, f'_do_{action.name}', self._do_nothing)(action.viewer, action.value)
-            except (TypeError, ValueError) as error:
+                self._actions.get(action.name, self._do_nothing)(action.viewer, action.value)
+            except (OverflowError, TypeError, ValueError) as error:
                 self.rejections.refuse(f'{action.name} of a viewer: {error}')
         self._drive()
         if bool(page.viewers) != bool(self._heard):
@@ -159,13 +162,15 @@ class WebView(DiffDriveNode[Config]):
     def _drive(self) -> None:
         """Publish what the viewer at the helm asks for, and rest once it ends."""
         self._helm = self._helm.at(time.monotonic())
-        driving = bool(self._helm.viewer)
+        driving = bool(self._helm.viewer) and not self._stopped
         if driving and not self._drove:  # who takes the helm ends what goal_steering does
             self._plans.publish(Path())
-        if driving or self._drove:
-            self._commands.publish(
-                self._message.encode(self.runtime.now_ns(), *self._helm.command))
+        if driving or self._drove or self._stopped:
+            self._send(self._helm.command if driving else (0.0, 0.0))
         self._drove = driving
+
+    def _send(self, command: Tuple[float, float]) -> None:
+        self._commands.publish(self._message.encode(self.runtime.now_ns(), *command))
 
     def _do_drive(self, viewer: int, value: Any) -> None:
         v, w = (max(-1.0, min(1.0, float(part))) for part in value)
@@ -204,10 +209,14 @@ class WebView(DiffDriveNode[Config]):
         self._helm = self._helm.left(viewer)
 
     def _do_stop(self, viewer: int, value: Any) -> None:
+        self._stopped = True
         self._helm = self._helm.left(self._helm.viewer)
+        self._drive()
+        self._plans.publish(Path())
         self._trigger('stop')
 
     def _do_resume(self, viewer: int, value: Any) -> None:
+        self._stopped = False
         self._trigger('resume')
 
     def _do_reset(self, viewer: int, value: Any) -> None:
@@ -219,8 +228,12 @@ class WebView(DiffDriveNode[Config]):
         raise ValueError('not known here')
 
     def _trigger(self, name: str) -> None:
-        for client in self._triggers[name]:
-            client.call_async(Trigger.Request())
+        self._shown.show('notice', '')
+        self._triggers.call(name)
+
+    def _complain(self, text: str) -> None:
+        self.get_logger().error(text)
+        self._shown.show('notice', text)
 
     def status(self, look: RateSample) -> Status:
         """Return who looks and who drives."""
@@ -229,11 +242,11 @@ class WebView(DiffDriveNode[Config]):
 
     def final_command(self) -> Tuple[Publisher, ...]:
         """Leave the robot at rest where a viewer drove it."""
+        driven = bool(self._helm.viewer)
+        if driven:
+            self._send((0.0, 0.0))
         self._page.close()
-        if not self._helm.viewer:
-            return ()
-        self._commands.publish(self._message.encode(self.runtime.now_ns(), 0.0, 0.0))
-        return (self._commands,)
+        return (self._commands,) if driven else ()
 
 
 main = main_of(WebView)

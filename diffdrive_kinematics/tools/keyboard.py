@@ -15,14 +15,16 @@
 """
 The keys of a terminal, with what is released where the terminal tells.
 
-Terminals tell of keys that go down; those that know the keyboard protocol of kitty (kitty, foot,
-WezTerm, Ghostty, recent Konsole and others) also tell when they come up.
+Terminals tell of keys that go down, again and again while they are held; those that know the
+keyboard protocol of kitty (kitty, foot, WezTerm, Ghostty, recent Konsole and others) also tell
+when they come up.
 """
 
 import os
 import re
 import select
 import termios
+import time
 import tty
 from typing import List, NamedTuple
 
@@ -30,9 +32,12 @@ __all__ = ['Key', 'Keyboard', 'keys_in']
 
 ASK = b'\x1b[?u\x1b[c'  # for the protocol, and for what every terminal answers
 BEGIN, END = b'\x1b[>11u', b'\x1b[<u'  # all keys as escape codes, with events
-ANSWER_S = 0.2
+ANSWER_S = 0.5
+REST_S = 0.05  # after which a sequence that is not finished counts as nothing
+MOST = 4096  # bytes of one that is not finished
 CODE = re.compile(rb'\x1b\[(\d+)(?::[\d:]*)?(?:;(\d*)(?::(\d))?)?(?:;[\d:]*)?u')
-OTHER = re.compile(rb'\x1b\[[0-9;:?<>]*[A-Za-z~]|\x1bO.')
+OTHER = re.compile(rb'\x1b\[[0-9;:?<>]*[A-Za-z~]|\x1bO.|\x1b[^\[O]')
+UNFINISHED = re.compile(rb'\x1b(?:\[[0-9;:?<>]*|O)?\Z')
 RELEASED = 3
 
 
@@ -73,10 +78,10 @@ def keys_in(data: bytes) -> List[Key]:
                 text = chr(number)
                 if modifiers & 4 and text == 'c':
                     text = '\x03'  # Ctrl-C is no signal while keys come as escape codes
-                keys.append(Key(text.upper() if modifiers & 1 else text, event == RELEASED))
+                keys.append(Key(text, event == RELEASED))
             at = code.end()
-        elif other:
-            at = other.end()
+        elif other or data[at] == 0x1b:
+            at = other.end() if other else len(data)
         else:
             keys.append(Key(chr(data[at])))
             at += 1
@@ -100,21 +105,34 @@ class Keyboard:
     """
 
     def __init__(self, descriptor: int) -> None:
-        if not os.isatty(descriptor):
-            raise ValueError('standard input is no terminal, expected one to read keys from')
-        self._descriptor = descriptor
-        self._before = termios.tcgetattr(descriptor)
-        tty.setcbreak(descriptor)
-        self.tells_releases = self._asks()
-        if self.tells_releases:
-            os.write(descriptor, BEGIN)
+        self._descriptor, self._rest, self._rest_s = descriptor, b'', 0.0
+        self.tells_releases = False
+        try:
+            self._before = termios.tcgetattr(descriptor)
+        except termios.error as error:
+            raise ValueError(
+                'standard input is no terminal, expected one to read keys from') from error
+        try:
+            tty.setcbreak(descriptor)
+            self.tells_releases = self._asks()
+            if self.tells_releases:
+                os.write(descriptor, BEGIN)
+        except BaseException:
+            self.close()
+            raise
 
     def _asks(self) -> bool:
         """Return whether the terminal knows the protocol."""
-        os.write(self._descriptor, ASK)
-        answer = b''
-        while not answer.endswith(b'c') and self._is_ready(ANSWER_S):
-            answer += os.read(self._descriptor, 1000)
+        try:
+            os.write(self._descriptor, ASK)
+        except OSError:  # it can be read only
+            return False
+        answer, end_s = b'', time.monotonic() + ANSWER_S
+        while not answer.endswith(b'c') and self._is_ready(max(0.0, end_s - time.monotonic())):
+            data = os.read(self._descriptor, MOST)
+            if not data:
+                break
+            answer += data
         return re.search(rb'\x1b\[\?\d+u', answer) is not None
 
     def _is_ready(self, seconds: float) -> bool:
@@ -122,12 +140,19 @@ class Keyboard:
 
     def read(self) -> List[Key]:
         """Return the keys since the last time; raises ``EOFError`` where the terminal is gone."""
+        now_s = time.monotonic()
         if not self._is_ready(0.0):
+            if now_s > self._rest_s + REST_S:
+                self._rest = b''
             return []
-        data = os.read(self._descriptor, 1000)
+        data = os.read(self._descriptor, MOST)
         if not data:
             raise EOFError
-        return keys_in(data)
+        data = self._rest + data
+        unfinished = UNFINISHED.search(data)
+        self._rest = data[unfinished.start():][:MOST] if unfinished else b''
+        self._rest_s = now_s
+        return keys_in(data[:unfinished.start()] if unfinished else data)
 
     def close(self) -> None:
         """Restore the terminal."""

@@ -2,7 +2,7 @@
 //
 // A frame is JSON: {belief: [x, y, yaw, v, w], truth: [x, y, yaw], covariance: [xx, xy, yy],
 // drift: [m, rad], nees, goal, poses, boundary, trails, status, driver, stopped}; what has not
-// changed is left out.  What a viewer does goes back as [name, value].
+// changed is left out; notice is what went wrong.  What a viewer does goes back as [name, value].
 (() => {
   'use strict';
   const SEND_MS = 50, TRAIL = 5000, PLOT_S = 60, CLICK_PX = 6, RETRY_MS = 1000;
@@ -185,7 +185,7 @@
       : !state.belief ? 'waiting for odometry'
       : state.stopped ? 'emergency stop'
       : state.driver ? (state.driver === setup.viewer ? 'you drive' : 'another viewer drives') : '';
-    text('dd-state', said);
+    text('dd-state', [said, state.notice].filter(Boolean).join(' \u2014 '));
     const pose = (p) => `x ${p[0].toFixed(3)} m, y ${p[1].toFixed(3)} m, `
       + `yaw ${(p[2] * 180 / Math.PI).toFixed(1)}°`;
     const legend = byId('dd-legend');

@@ -27,9 +27,10 @@ import json
 from pathlib import Path
 import socket
 import threading
+import time
 from typing import Any, Deque, Dict, Mapping, NamedTuple, Sequence, Set
-from urllib.parse import urlsplit
 
+from diffdrive_kinematics.tools.same_origin import LOOPBACK, SameOrigin
 from fastapi import FastAPI, WebSocket, WebSocketDisconnect
 from nicegui import binding, ui
 import uvicorn
@@ -38,6 +39,7 @@ __all__ = ['Action', 'Slider', 'WebPage']
 
 HERE = Path(__file__).parent
 START_S = 10.0
+MOST_A_SECOND = 200  # messages of a viewer; a page sends some 20
 
 
 class Action(NamedTuple):
@@ -56,29 +58,6 @@ class Slider(NamedTuple):
     low: float
     high: float
     step: float
-
-
-class SameOrigin:
-    """
-    Lets in nobody but pages of this server: who reaches it drives the robot.
-
-    A browser says in ``Origin`` which page asks, also for a WebSocket, which other sites may open.
-    """
-
-    def __init__(self, app: Any) -> None:
-        self._app = app
-
-    async def __call__(self, scope: Any, receive: Any, send: Any) -> None:
-        """Serve a request, or refuse it with 403."""
-        headers = dict(scope.get('headers', ()))
-        origin, host = headers.get(b'origin'), headers.get(b'host', b'')
-        if origin is None or urlsplit(origin).netloc == host:
-            await self._app(scope, receive, send)
-        elif scope['type'] == 'websocket':
-            await send({'type': 'websocket.close', 'code': 1008})
-        else:
-            await send({'type': 'http.response.start', 'status': 403, 'headers': []})
-            await send({'type': 'http.response.body', 'body': b'pages of other origins may not'})
 
 
 class WebPage:
@@ -116,7 +95,7 @@ class WebPage:
         self.port = self._listening.getsockname()[1]
         api = FastAPI()
         api.add_api_websocket_route('/robot', self._serve_viewer)
-        api.add_middleware(SameOrigin)
+        api.add_middleware(SameOrigin, loopback=host in LOOPBACK)
         ui.page('/', title=title)(self._page)
         ui.run_with(api, dark=None, reconnect_timeout=3.0, show_welcome_message=False)
         self._server = uvicorn.Server(uvicorn.Config(
@@ -182,10 +161,16 @@ class WebPage:
         self._sockets.add(viewer)
         self.actions.append(Action(number, 'joined'))
         try:
+            second, heard = 0, 0
             while True:
                 name, value = json.loads(await viewer.receive_text())
+                now = int(time.monotonic())
+                second, heard = now, heard + 1 if now == second else 1
+                if heard > MOST_A_SECOND or name in ('joined', 'left'):
+                    await viewer.close(1008)
+                    break
                 self.actions.append(Action(number, str(name), value))
-        except (WebSocketDisconnect, ValueError, TypeError):
+        except (WebSocketDisconnect, ValueError, TypeError, RecursionError):
             pass
         finally:
             self._sockets.discard(viewer)

@@ -113,19 +113,27 @@ def test_the_speeds_are_those_of_the_yaml_and_go_up_and_down(terminal):
 
 
 def test_a_terminal_that_tells_releases_is_believed(terminal):
-    opened = terminal(answer=b'\x1b[?0u\x1b[?62c', key_timeout=0.001)
+    opened = terminal(answer=b'\x1b[?0u\x1b[?62c', key_timeout=1000.0)
     assert b'\x1b[>11u' in opened.read()
     opened.press(b'\x1b[105u')
     opened.wait(lambda: opened.last() == (0.2, 0.0), 'the command')
     count = len(opened.commands)
     opened.wait(lambda: len(opened.commands) > count + 5, 'more of it, although it is silent')
     assert opened.last() == (0.2, 0.0)
-    opened.press(b'\x1b[105;1:3u')
+    opened.press(b'\x1b[57441;2:1u\x1b[105;2:')  # shift came down meanwhile, and in two parts
+    opened.press(b'3u')
     opened.wait(lambda: opened.last() == (0.0, 0.0), 'the rest')
     opened.press(b'\x1b[99;5u')  # Ctrl-C is a key there
     opened.wait(lambda: opened.process.poll() is not None, 'the end')
     assert opened.process.returncode == 0
     assert opened.read().rstrip().endswith(b'\x1b[<u') or b'\x1b[<u' in opened.read()
+
+
+def test_a_terminal_that_tells_releases_and_hangs_does_not_drive_on(terminal):
+    opened = terminal(answer=b'\x1b[?0u\x1b[?62c')
+    opened.press(b'\x1b[105u')
+    opened.wait(lambda: opened.last() == (0.2, 0.0), 'the command')
+    opened.wait(lambda: opened.last() == (0.0, 0.0), 'the rest')
 
 
 @pytest.mark.parametrize('number', [signal.SIGINT, signal.SIGTERM])
@@ -151,6 +159,6 @@ def test_without_a_terminal_it_says_so(graph):
 @pytest.mark.parametrize('data, keys', [
     (b'ik', [Key('i'), Key('k')]), (b'\x1b[A\x1b[1;2B\x1bOP', []),
     (b'\x1b[105;1:1u\x1b[105;1:3u', [Key('i'), Key('i', True)]), (b'\x1b[57441;2u', []),
-    (b'\x1b[105;2u', [Key('I')])])
+    (b'\x1b[105;2:3u', [Key('i', True)]), (b'\x1bi', []), (b'\x1b[1', [])])
 def test_keys_are_told_from_what_else_a_terminal_says(data, keys):
     assert keys_in(data) == keys

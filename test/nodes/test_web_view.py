@@ -22,10 +22,11 @@ import shutil
 import signal
 import socket
 
+from geometry_msgs.msg import Twist
 from nav_msgs.msg import Odometry
 import pytest
 from rcl_interfaces.srv import GetParameters
-from support.graph import KHEPERA
+from support.graph import KHEPERA, twist
 
 CONFIG = Path(__file__).parents[2] / 'config'
 BROWSER = shutil.which('chromium') or shutil.which('chromium-browser')
@@ -248,6 +249,11 @@ def test_pages_of_other_origins_do_not_drive(robot, origin, answer):
     assert asked(robot.address, UPGRADE.format(origin)).split()[1] == answer
 
 
+def test_a_page_that_calls_this_machine_by_a_name_of_its_own_does_not_drive(robot):
+    request = UPGRADE.format('http://{host}').replace('{host}', 'rebound.example:80')
+    assert asked(robot.address, request).split()[1] == '403'
+
+
 def test_a_second_page_on_the_same_port_is_refused_by_its_name(robot):
     port = int(robot.address.rsplit(':', 1)[1])
     second = robot.graph.start('web_view', {**KHEPERA, 'port': port})
@@ -266,6 +272,8 @@ def test_without_nicegui_it_says_how_to_get_it(graph, tmp_path):
 def test_what_is_no_command_is_counted_and_nothing_moves(robot, browser):
     page = look(robot, browser)
     for message in ('nonsense', json.dumps(['drive', [1]]), json.dumps(['drive', ['x', None]]),
+                    json.dumps(['drive', [10**400, 0]]), json.dumps(['goal', [10**400, 0]]),
+                    json.dumps(['set', ['left_bias', 10**400]]), json.dumps(['left', None]),
                     json.dumps(['set', ['robot_name', 1]]), json.dumps(['goal', [1e999, 0]]),
                     json.dumps(['unknown', 1]), json.dumps(3)):
         page.evaluate(f'new Promise((done) => {{const s = new WebSocket("{robot.address}/robot"'
@@ -275,3 +283,30 @@ def test_what_is_no_command_is_counted_and_nothing_moves(robot, browser):
     page.keyboard.down('w')
     robot.wait(robot.moves, 'the robot to move')
     assert 'Traceback' not in robot.sim.output
+
+
+def test_a_stop_that_nobody_serves_is_said_and_the_page_passes_nothing_on(graph, browser):
+    pytest.importorskip('nicegui', reason="web_view needs '.[web]'")
+    view = graph.start('web_view', {
+        **KHEPERA, 'port': 0, 'autonomous_cmd_vel_topic': 'goal_cmd_vel'})
+    address = graph.wait_for(
+        lambda: re.search(r'open (http://\S+)', view.output), 'the page').group(1)
+    commands = graph.collect(Twist, 'cmd_vel')
+    autonomous = graph.publisher(Twist, 'goal_cmd_vel')
+
+    def passed_on():
+        autonomous.publish(twist(0.1, 0.0))
+        return commands and commands[-1].linear.x == 0.1
+
+    graph.wait_for(passed_on, 'what is passed on')
+    page = browser.new_page()
+    page.goto(address)
+    page.wait_for_function('window.webView && webView.lost === false')
+    page.get_by_text('Emergency stop').click()
+    graph.wait_for(lambda: "nobody serves '/diff_drive_controller/stop'" in view.output
+                   or 'nobody serves' in view.output, 'the report')
+    graph.wait_for(lambda: 'nobody serves' in (seen(page, 'notice') or ''), 'the notice')
+    graph.wait_for(lambda: commands[-1].linear.x == 0.0, 'the rest')
+    count = len(commands)
+    graph.wait_for(lambda: passed_on() or len(commands) > count + 10, 'more commands')
+    assert all(each.linear.x == 0.0 for each in commands[count:])

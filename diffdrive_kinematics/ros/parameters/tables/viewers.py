@@ -64,8 +64,8 @@ TELEOP = (
     Spec('speed', 0.2, 'speed [m/s] of a key at the start', check=check_positive, read_only=True),
     Spec('yaw_rate', 1.0, 'yaw rate [rad/s] of a key at the start', check=check_positive,
          read_only=True),
-    Spec('key_timeout', 0.6, 'silence of the terminal [s] after which a key counts as released, '
-         'where the terminal does not tell; longer than it waits before it repeats a key',
+    Spec('key_timeout', 0.6, 'silence of the terminal [s] after which a key counts as released; '
+         'longer than it waits before it repeats a key that is held',
          check=check_positive, read_only=True),
     Spec('publish_rate', 20.0, 'rate [Hz] of the commands while a key is held', check=check_rate,
          read_only=True),
