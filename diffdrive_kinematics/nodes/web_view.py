@@ -77,10 +77,9 @@ class WebView(DiffDriveNode[Config]):
             'reset': [f'{node}/reset' for node in values['base_nodes']],
             'stop': [f"{values['controller_node']}/stop"],
             'resume': [f"{values['controller_node']}/resume"]}, self._complain)
-        noise = values['noise_node']
         self._noise = RemoteParameters(
-            self, noise, [each[0] for each in NOISE],
-            lambda numbers: self._page.show(numbers)) if noise else None
+            self, values['noise_node'], [each[0] for each in NOISE],
+            lambda numbers: self._page.show(numbers)) if values['noise_node'] else None
         self._heard: List[Any] = []
         self._stopped = False  # by a viewer, whatever the controller says
         self._actions = {
@@ -146,9 +145,9 @@ class WebView(DiffDriveNode[Config]):
         while page.actions:
             action = page.actions.popleft()
             try:
-                self._actions.get(action.name, self._do_nothing)(action.viewer, action.value)
-            except (OverflowError, TypeError, ValueError) as error:
-                self.rejections.refuse(f'{action.name} of a viewer: {error}')
+                self._actions[action.name](action.viewer, action.value)
+            except (KeyError, OverflowError, TypeError, ValueError) as error:
+                self.rejections.refuse(f'{action.name} of a viewer: {error!r}')
         self._drive()
         if bool(page.viewers) != bool(self._heard):
             self._listen() if page.viewers else self._ignore()
@@ -224,9 +223,6 @@ class WebView(DiffDriveNode[Config]):
         self._page.send({'fresh': True, 'goal': None})
         self._trigger('reset')
 
-    def _do_nothing(self, viewer: int, value: Any) -> None:
-        raise ValueError('not known here')
-
     def _trigger(self, name: str) -> None:
         self._shown.show('notice', '')
         self._triggers.call(name)
@@ -242,8 +238,7 @@ class WebView(DiffDriveNode[Config]):
 
     def final_command(self) -> Tuple[Publisher, ...]:
         """Leave the robot at rest where a viewer drove it."""
-        driven = bool(self._helm.viewer)
-        if driven:
+        if driven := bool(self._helm.viewer):
             self._send((0.0, 0.0))
         self._page.close()
         return (self._commands,) if driven else ()

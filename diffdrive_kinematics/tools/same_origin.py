@@ -38,7 +38,8 @@ class SameOrigin:
         headers = dict(scope.get('headers', ()))
         origin, host = headers.get(b'origin'), headers.get(b'host', b'')
         name = urlsplit(b'//' + host).hostname or b''
-        named = not self._loopback or name.decode('latin-1') in LOOPBACK
+        named = (scope['type'] == 'lifespan' or not self._loopback
+                 or name.decode('latin-1') in LOOPBACK)
         if named and (origin is None or urlsplit(origin).netloc == host):
             await self._app(scope, receive, send)
         elif scope['type'] == 'websocket':

@@ -40,9 +40,8 @@ __all__ = ['ConfigurationError', 'ParameterSet', 'coerce']
 Config = TypeVar('Config')
 NOT_FINITE = ('nan', '.nan', 'inf', '.inf', '-inf', '-.inf')
 MISSING = ' is not set'
-HOW_TO_SET = (
-    '. Set parameters in a params file (--ros-args --params-file FILE) or one by one (--ros-args '
-    '-p NAME:=VALUE)')
+HOW_TO_SET = ('. Set parameters in a params file (--ros-args --params-file FILE) or one by one '
+              '(--ros-args -p NAME:=VALUE)')
 TYPES = {Kind.DOUBLE: Parameter.Type.DOUBLE, Kind.DOUBLES: Parameter.Type.DOUBLE_ARRAY,
          Kind.STRINGS: Parameter.Type.STRING_ARRAY}
 

@@ -30,6 +30,7 @@ from diffdrive_kinematics.ros.messages.plain import JointValues, StampedTwist
 from diffdrive_kinematics.ros.messages.wheel_joints import WheelJoints
 from diffdrive_kinematics.ros.messages.wheel_messages import (
     WheelCommandWriter, WheelReader, WheelWriter)
+from diffdrive_kinematics.ros.publishers import odometry as odometry_publisher
 from geometry_msgs.msg import TransformStamped, Twist, TwistStamped
 from hypothesis import given, settings, strategies as st
 from nav_msgs.msg import Odometry
@@ -333,7 +334,7 @@ def test_each_name_is_one_of_both_codecs():
 @both
 def test_a_base_says_the_same_with_either_codec(codec, monkeypatch):
     """One is a drop-in for the other in a running node."""
-    monkeypatch.setattr(simulated_base, 'OdometryCodec', codec.OdometryCodec)
+    monkeypatch.setattr(odometry_publisher, 'OdometryCodec', codec.OdometryCodec)
     parameters = {
         'wheel_radius': 0.033, 'wheel_separation': 0.16, 'enable_odom_tf': False,
         'left_slip_variance': 1e-6, 'right_slip_variance': 2e-6}
@@ -341,9 +342,9 @@ def test_a_base_says_the_same_with_either_codec(codec, monkeypatch):
         for number in range(5):
             message = JointState(
                 name=['left_wheel_joint', 'right_wheel_joint'], velocity=[3.0, 4.0])
-            set_stamp(message.header.stamp, base.node.now_ns())
+            set_stamp(message.header.stamp, base.node.runtime.now_ns())
             base.hear('/wheel_rates', message)
-            base.advance_to(base.node.now_ns() + 20_000_000)
+            base.advance_to(base.node.runtime.now_ns() + 20_000_000)
         said = base.said['/odom'], base.said['/joint_states']
     assert [len(each) for each in said] == [5, 5]
     odometry = said[0][-1]
