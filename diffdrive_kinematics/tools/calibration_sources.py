@@ -82,7 +82,7 @@ def read_square_runs(path: str, side: float) -> Tuple[List[ReturnError], List[Re
                 f'{path}, row {number}: clockwise is {clockwise!r}, expected 1, or 0 for '
                 'counterclockwise')
         error = ReturnError(true_x - odom_x, true_y - odom_y)
-        if math.hypot(*error) > side:
+        if not math.hypot(*error) <= side:  # NaN is not
             raise ValueError(
                 f'{path}, row {number}: true_x, true_y are {true_x:g}, {true_y:g} and odom_x, '
                 f'odom_y {odom_x:g}, {odom_y:g}, which is too large an error on a square of '

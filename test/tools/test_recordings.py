@@ -172,6 +172,15 @@ def test_runs_of_a_square_in_millimetres_are_refused_with_the_word_metres(tmp_pa
         read_square_runs(str(path), 1.0)
 
 
+@pytest.mark.parametrize('number', ['nan', 'inf'])
+def test_a_run_whose_end_is_no_place_is_refused_by_its_row(tmp_path, number):
+    path = tmp_path / 'runs.csv'
+    path.write_text('clockwise,true_x,true_y,odom_x,odom_y\n'
+                    f'1,{number},0.0,0.0,0.0\n0,0.01,0.0,0.0,0.0\n')
+    with pytest.raises(ValueError, match='row 1'):
+        read_square_runs(str(path), 1.0)
+
+
 GOOD = [','.join(map(repr, row)) for row in drive(seconds=15.0)]
 CHARACTERS = st.sampled_from('0123456789,.;-+eE "\'\tnaif_\x00\xff\u2212')
 MUTATIONS = st.sampled_from([
