@@ -49,7 +49,8 @@ def build(values: Mapping[str, Any]) -> Config:
     sources = {'commands': list(values['commands']), 'recording': values['recording'],
                'square_side': values['square_side']}
     if not any(sources.values()):
-        raise ValueError(f"{' or '.join(sources)} is not set, expected exactly one of them")
+        raise ValueError(
+            f"commands is []: {' or '.join(sources)} is not set, expected exactly one of them")
     if sum(map(bool, sources.values())) != 1:
         raise ValueError(
             f"{', '.join(f'{name} is {value!r}' for name, value in sources.items())}, expected "

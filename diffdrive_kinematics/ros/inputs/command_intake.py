@@ -32,7 +32,7 @@ BEFORE_ALL_NS = -2**63
 REPORT_PERIOD_S = 1.0
 BY_STAMP = 'for clocks that are apart there is cmd_vel_clock_offset'
 BY_SENDING = 'it lay in a queue, or the clock of its sender is behind'
-GRACE_S = 0.02  # which the middleware has to deliver after the process was held up
+GRACE_S = 0.1  # which the middleware has to deliver after the process was held up
 PAUSE_S = 0.001
 MOST = 1000
 
