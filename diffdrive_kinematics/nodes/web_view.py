@@ -23,7 +23,7 @@ from diagnostic_msgs.msg import DiagnosticArray
 from diffdrive_kinematics.ros.inputs.remote_parameters import RemoteParameters
 from diffdrive_kinematics.ros.inputs.remote_triggers import RemoteTriggers
 from diffdrive_kinematics.ros.messages.codec import TwistCodec
-from diffdrive_kinematics.ros.messages.messages import set_stamp
+from diffdrive_kinematics.ros.messages.messages import quaternion_of, set_stamp
 from diffdrive_kinematics.ros.parameters.parameters import ConfigurationError
 from diffdrive_kinematics.ros.parameters.tables import WEB_VIEW
 from diffdrive_kinematics.ros.runtime.diagnostics import RateSample, Status
@@ -189,7 +189,7 @@ class WebView(DiffDriveNode[Config]):
         goal.header.frame_id = self._shown.frame_id
         set_stamp(goal.header.stamp, self.runtime.now_ns())
         goal.pose.position.x, goal.pose.position.y = x, y
-        goal.pose.orientation.z, goal.pose.orientation.w = math.sin(yaw / 2), math.cos(yaw / 2)
+        goal.pose.orientation.z, goal.pose.orientation.w = quaternion_of(yaw)
         self._goals.publish(goal)
         self._shown.show('goal', [x, y])
 
