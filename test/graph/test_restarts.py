@@ -16,6 +16,7 @@
 
 from pathlib import Path
 import signal
+import time
 
 from diffdrive_kinematics.nodes.simulated_base import SimulatedBase
 from geometry_msgs.msg import Twist
@@ -23,7 +24,7 @@ from nav_msgs.msg import Odometry
 import pytest
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState
-from support.graph import KHEPERA, set_stamp, twist
+from support.graph import KHEPERA, set_stamp, stamp_ns, twist
 from support.inside import inside, START_NS
 
 SPEED = 0.2  # [m/s]
@@ -119,15 +120,20 @@ def test_a_course_on_simulated_time_takes_a_step_back_of_the_clock_as_no_time(gr
     clock = graph.node.create_publisher(Clock, '/clock', 1)
     sequence = graph.start('command_sequence', {
         **simulated, 'commands': [0.1, 0.0, 2.0], 'wait_for_topics': ['odom']})
-    time = {'now': 100.0, 'stepped': False}
+    now_ns, stepped, ticked_at = 100 * 10**9, False, 0.0
 
     def ticking():
-        time['now'] += 0.005
-        if odometry and x_of(odometry) > 0.1 and not time['stepped']:
-            time.update(now=time['now'] - 50.0, stepped=True)
-        message = Clock()
-        message.clock.sec, message.clock.nanosec = divmod(round(time['now'] * 1e9), 10**9)
-        clock.publish(message)
+        """Let the clock go on once the base has followed it, or is not there to do so."""
+        nonlocal now_ns, stepped, ticked_at
+        followed = odometry and abs(now_ns - stamp_ns(odometry[-1])) < 50_000_000
+        if followed or time.monotonic() > ticked_at + 0.1:
+            ticked_at = time.monotonic()
+            now_ns += 5_000_000
+            if odometry and x_of(odometry) > 0.1 and not stepped:
+                now_ns, stepped = now_ns - 50 * 10**9, True
+            message = Clock()
+            message.clock.sec, message.clock.nanosec = divmod(now_ns, 10**9)
+            clock.publish(message)
         return not sequence.running
 
     graph.wait_for(ticking, 'the course')

@@ -56,11 +56,11 @@ def _yaml(value):
 class Process:
     """An executable of the package in a process of its own; its output goes to a file."""
 
-    def __init__(self, name, args, environment, cwd=None):
+    def __init__(self, name, args, environment, cwd=None, before=''):
         self.name = name
         self._file = tempfile.TemporaryFile(mode='w+')
         self._popen = subprocess.Popen(
-            [sys.executable, '-c', START.format(name), *args],
+            [sys.executable, '-c', before + START.format(name), *args],
             stdin=subprocess.DEVNULL, stdout=self._file, stderr=subprocess.STDOUT,
             env=environment, cwd=cwd)
 
@@ -118,11 +118,12 @@ class Graph:
         self.processes = []
         self._clients = {}
 
-    def start(self, name, parameters=None, *extra, args=None, cwd=None, environment=None):
-        """Start an executable with parameters, or with ``args`` as they are."""
+    def start(self, name, parameters=None, *extra, args=None, cwd=None, environment=None,
+              before=''):
+        """Start an executable with parameters, or with ``args``, ``before`` it other code."""
         process = Process(
             name, arguments(parameters or {}, *extra) if args is None else args,
-            {**self._environment, **(environment or {})}, cwd)
+            {**self._environment, **(environment or {})}, cwd, before)
         self.processes.append(process)
         return process
 
