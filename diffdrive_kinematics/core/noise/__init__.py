@@ -15,8 +15,8 @@
 """
 How wheels slip, and what that does to the pose.
 
-Bias and slip laws with their distributions, the covariance of the pose along an arc, sample
-paths, and the set that bounded slip can reach.
+Bias and slip laws with their distributions, what lasts a run, the covariance of the pose along an
+arc, sample paths, and the set that bounded slip can reach.
 """
 
 from diffdrive_kinematics.core.noise.arc_moments import (
@@ -42,20 +42,26 @@ from diffdrive_kinematics.core.noise.pose_moments import (
 from diffdrive_kinematics.core.noise.projected import Projected, projected
 from diffdrive_kinematics.core.noise.projection import propagate, sample_paths
 from diffdrive_kinematics.core.noise.reachable import reachable_set, reachable_set_from_slip
+from diffdrive_kinematics.core.noise.session_belief import SessionBelief
+from diffdrive_kinematics.core.noise.session_errors import (
+    check_session_fraction, draw_session, NO_SESSION, session_generator, SessionError,
+    SessionSpread, travel_in_session)
 from diffdrive_kinematics.core.noise.stage import Stage, stage_from_slip, with_pivots_joined
 from diffdrive_kinematics.core.noise.step_noise import (
     lateral_variances, step_noise, StepNoise, travel_of_command)
 from diffdrive_kinematics.core.noise.twist_covariance import twist_covariance, TwistCovariance
 
 __all__ = [
-    'CERTAIN', 'DISTRIBUTIONS', 'GAUSSIAN', 'HeadingMoments', 'NO_COVARIANCE', 'PoseCovariance',
-    'PoseMoments', 'Projected', 'SLIP_MODELS', 'Stage', 'StepNoise', 'TwistCovariance',
-    'WheelSlip', 'arc_moments', 'area', 'check_distribution', 'check_slip_model',
-    'covariance_along', 'draw_unit', 'effective_ratio', 'fill_normals', 'followed',
+    'CERTAIN', 'DISTRIBUTIONS', 'GAUSSIAN', 'HeadingMoments', 'NO_COVARIANCE', 'NO_SESSION',
+    'PoseCovariance', 'PoseMoments', 'Projected', 'SLIP_MODELS', 'SessionBelief', 'SessionError',
+    'SessionSpread', 'Stage', 'StepNoise', 'TwistCovariance', 'WheelSlip', 'arc_moments', 'area',
+    'check_distribution', 'check_session_fraction', 'check_slip_model', 'covariance_along',
+    'draw_session', 'draw_unit', 'effective_ratio', 'fill_normals', 'followed',
     'gaussian_moments', 'heading_moments', 'heading_variance', 'lateral_variances',
     'moved_covariance', 'outer_boundary', 'perimeter', 'planar_covariance', 'planar_pose',
     'pose_jacobians', 'projected', 'propagate', 'propagated_covariance', 'propagated_moments',
     'reachable_set', 'reachable_set_from_slip', 'rotations', 'sample_heading', 'sample_paths',
-    'sample_travel', 'second_moment_after', 'simplified', 'slip_covariance', 'slip_on_arc',
-    'stage_from_slip', 'step_noise', 'travel_of_command', 'travel_variance', 'twist_covariance',
-    'unit_bound', 'von_mises_moments', 'with_pivots_joined', 'yaw_from_quaternion']
+    'sample_travel', 'second_moment_after', 'session_generator', 'simplified', 'slip_covariance',
+    'slip_on_arc', 'stage_from_slip', 'step_noise', 'travel_in_session', 'travel_of_command',
+    'travel_variance', 'twist_covariance', 'unit_bound', 'von_mises_moments',
+    'with_pivots_joined', 'yaw_from_quaternion']

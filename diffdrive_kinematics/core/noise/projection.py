@@ -31,6 +31,8 @@ from typing import Sequence, Tuple, Union
 from diffdrive_kinematics.core.kinematics import check_finite, Command, Pose, Scalar, WheelGeometry
 from diffdrive_kinematics.core.noise.arcs_in_place import Columns, move_chunk
 from diffdrive_kinematics.core.noise.noise import WheelSlip
+from diffdrive_kinematics.core.noise.session_errors import (
+    draw_session, NO_SESSION, session_generator, SessionSpread, travel_in_session)
 from diffdrive_kinematics.core.noise.step_noise import step_noise, travel_of_command
 import numpy as np
 from numpy.typing import NDArray
@@ -127,7 +129,8 @@ def propagate(
 
 def sample_paths(
         pose: Pose, commands: Sequence[Command], geometry: WheelGeometry, left_slip: WheelSlip,
-        right_slip: WheelSlip, *, n: int, seed: Seed) -> Pose:
+        right_slip: WheelSlip, *, n: int, seed: Seed,
+        session: SessionSpread = NO_SESSION) -> Pose:
     """
     Return sample paths of a sequence of commands (LaValle, fig. 2.25: 100 of 25 steps).
 
@@ -145,6 +148,8 @@ def sample_paths(
         Number of paths.
     seed : int or sequence of int
         Seed of the noise.
+    session : SessionSpread
+        What lasts a run: each path has one draw of it.
 
     Returns
     -------
@@ -172,9 +177,12 @@ def sample_paths(
     numbers = _checked_seed(seed)
     at = Pose(*(_start(name, value, n) for name, value in zip(Pose._fields, pose)))
     path = [at]
+    error = draw_session(session, session_generator(*numbers), n) if session else None
     for step, command in enumerate(commands):
-        at = propagate(at, *travel_of_command(command, geometry), geometry, left_slip, right_slip,
-                       seed=(*numbers, step))
+        travel: Tuple[Scalar, Scalar] = travel_of_command(command, geometry)
+        if error:
+            travel = travel_in_session(error, geometry.separation, *travel)
+        at = propagate(at, *travel, geometry, left_slip, right_slip, seed=(*numbers, step))
         path.append(at)
     return Pose(*(np.stack(column) for column in zip(*path)))
 
