@@ -78,10 +78,16 @@ class Gathering:
             map(any, (shift.values() for shift in self._shifts.values())))
 
     def caught_up(self, spoken: Spoken) -> None:
-        """Take note of messages of the only publisher, of which this was the last one."""
+        """
+        Take note of messages of the only publisher, of which this was the last one.
+
+        Their positions were taken as they are, so those to come are as well: nothing is added.
+        """
         self.sources = self.sources.caught_up(spoken)
+        shift, = self._shifts.values()
         for joint, position in zip(spoken.joints, spoken.positions):
             if is_sane(position):
+                shift.setdefault(joint, 0.0)
                 self._follow(joint, position)
 
     def after(self, spoken: Spoken, stamp_ns: int) -> Optional[Gathered]:

@@ -19,6 +19,8 @@ import math
 from diffdrive_kinematics.core.odometry import Spoken
 from diffdrive_kinematics.ros.messages.wheel_gathering import Gathering
 from diffdrive_kinematics.ros.messages.wheel_joints import WheelJoints
+from diffdrive_kinematics.ros.messages.wheel_messages import WheelReader, WheelWriter
+from hypothesis import given, strategies as st
 import pytest
 
 MS = 10**6
@@ -59,6 +61,25 @@ def test_what_the_publisher_told_that_takes_the_place_of_a_rival_is_not_counted_
         gathered += filter(None, [gathering.after(spoken, spoken.now_ns) for spoken in told])
     assert gathered[99].positions == pytest.approx((9.9, 9.9))
     assert 9.9 <= gathered[100].positions[0] < 10.5
+
+
+@given(
+    st.lists(st.tuples(st.sampled_from([1, 1, 9]), st.booleans(), st.booleans()), min_size=3),
+    st.booleans())
+def test_lost_messages_cost_no_way_wherever_positions_begin(steps, numbered):
+    """A reader that takes the usual message as it is says what one says that is always careful."""
+    quick, careful = WheelReader(TWO), WheelReader(TWO)
+    careful._plain = False
+    number = 0
+    for ahead, measured, turning in steps:
+        number += ahead
+        positions = (0.02 * number, 0.04 * number) if measured else None
+        told = WheelWriter(TWO).encode(
+            20 * MS * number, (1.0 * turning, 2.0 * turning), positions)
+        samples = [reader.read(told, lambda: 20 * MS * number, number if numbered else 0)
+                   for reader in (quick, careful)]
+        assert samples[0] == samples[1]
+        assert samples[0].positions == positions
 
 
 @pytest.mark.parametrize('apart_ms', [0, 200, 50_000])
