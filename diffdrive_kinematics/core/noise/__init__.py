@@ -21,6 +21,8 @@ arc, sample paths, and the set that bounded slip can reach.
 
 from diffdrive_kinematics.core.noise.arc_moments import (
     arc_moments, propagated_moments, slip_on_arc)
+from diffdrive_kinematics.core.noise.body_covariance_along import body_covariance_along
+from diffdrive_kinematics.core.noise.body_slip import body_variances, BodySlip, NO_BODY_SLIP
 from diffdrive_kinematics.core.noise.box_muller import fill_normals
 from diffdrive_kinematics.core.noise.covariance_along import covariance_along
 from diffdrive_kinematics.core.noise.distributions import (
@@ -52,16 +54,17 @@ from diffdrive_kinematics.core.noise.step_noise import (
 from diffdrive_kinematics.core.noise.twist_covariance import twist_covariance, TwistCovariance
 
 __all__ = [
-    'CERTAIN', 'DISTRIBUTIONS', 'GAUSSIAN', 'HeadingMoments', 'NO_COVARIANCE', 'NO_SESSION',
-    'PoseCovariance', 'PoseMoments', 'Projected', 'SLIP_MODELS', 'SessionBelief', 'SessionError',
-    'SessionSpread', 'Stage', 'StepNoise', 'TwistCovariance', 'WheelSlip', 'arc_moments', 'area',
+    'BodySlip', 'CERTAIN', 'DISTRIBUTIONS', 'GAUSSIAN', 'HeadingMoments', 'NO_BODY_SLIP',
+    'NO_COVARIANCE', 'NO_SESSION', 'PoseCovariance', 'PoseMoments', 'Projected', 'SLIP_MODELS',
+    'SessionBelief', 'SessionError', 'SessionSpread', 'Stage', 'StepNoise', 'TwistCovariance',
+    'WheelSlip', 'arc_moments', 'area', 'body_covariance_along', 'body_variances',
     'check_distribution', 'check_session_fraction', 'check_slip_model', 'covariance_along',
-    'draw_session', 'draw_unit', 'effective_ratio', 'fill_normals', 'followed',
-    'gaussian_moments', 'heading_moments', 'heading_variance', 'lateral_variances',
-    'moved_covariance', 'outer_boundary', 'perimeter', 'planar_covariance', 'planar_pose',
-    'pose_jacobians', 'projected', 'propagate', 'propagated_covariance', 'propagated_moments',
-    'reachable_set', 'reachable_set_from_slip', 'rotations', 'sample_heading', 'sample_paths',
-    'sample_travel', 'second_moment_after', 'session_generator', 'simplified', 'slip_covariance',
-    'slip_on_arc', 'stage_from_slip', 'step_noise', 'travel_in_session', 'travel_of_command',
-    'travel_variance', 'twist_covariance', 'unit_bound', 'von_mises_moments',
-    'with_pivots_joined', 'yaw_from_quaternion']
+    'draw_session', 'draw_unit', 'effective_ratio', 'fill_normals', 'followed', 'gaussian_moments',
+    'heading_moments', 'heading_variance', 'lateral_variances', 'moved_covariance',
+    'outer_boundary', 'perimeter', 'planar_covariance', 'planar_pose', 'pose_jacobians',
+    'projected', 'propagate', 'propagated_covariance', 'propagated_moments', 'reachable_set',
+    'reachable_set_from_slip', 'rotations', 'sample_heading', 'sample_paths', 'sample_travel',
+    'second_moment_after', 'session_generator', 'simplified', 'slip_covariance', 'slip_on_arc',
+    'stage_from_slip', 'step_noise', 'travel_in_session', 'travel_of_command', 'travel_variance',
+    'twist_covariance', 'unit_bound', 'von_mises_moments', 'with_pivots_joined',
+    'yaw_from_quaternion']

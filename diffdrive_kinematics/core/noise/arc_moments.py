@@ -44,6 +44,7 @@ from typing import Tuple
 
 from diffdrive_kinematics.core.kinematics import (
     advance, check_non_negative, Pose, pose_change_from_travel, WheelGeometry)
+from diffdrive_kinematics.core.noise.body_slip import body_variances, BodySlip, NO_BODY_SLIP
 from diffdrive_kinematics.core.noise.integrated_moments import integrated_moments, REACH
 from diffdrive_kinematics.core.noise.pose_moments import followed, PoseMoments
 from diffdrive_kinematics.core.noise.turning_moments import turning_moments
@@ -56,8 +57,8 @@ TIGHT = 1e3  # radius below 16 separations
 
 
 def slip_on_arc(
-        geometry: WheelGeometry, d_left: float, d_right: float, k_left: float, k_right: float
-) -> Tuple[float, float, float]:
+        geometry: WheelGeometry, d_left: float, d_right: float, k_left: float, k_right: float,
+        body: BodySlip = NO_BODY_SLIP) -> Tuple[float, float, float]:
     """
     Return what slip adds on an arc: Q, C and V.
 
@@ -69,6 +70,8 @@ def slip_on_arc(
         Travel [m] of the wheels along the arc, the bias included; of any sign.
     k_left, k_right : float
         Slip variance per metre of that travel [m].
+    body : BodySlip
+        What slips beside the wheels.
 
     Returns
     -------
@@ -83,12 +86,17 @@ def slip_on_arc(
     --------
     >>> slip_on_arc(WheelGeometry(0.5, 0.125), 1.0, 1.0, 0.25, 0.25)
     (0.125, 0.0, 2.0)
+    >>> slip_on_arc(WheelGeometry(0.5, 0.125), 1.0, 1.0, 0.0, 0.0, BodySlip(0.25))
+    (0.25, 0.0, 0.0)
 
     """
     left, right = k_left * abs(d_left), k_right * abs(d_right)
     separation = geometry.separation
-    return (0.25 * (left + right), 0.5 * (right - left) / separation,
-            (left + right) / (separation * separation))
+    both, heading = 0.25 * (left + right), (left + right) / (separation * separation)
+    if body:
+        added = body_variances(body, *pose_change_from_travel(geometry, d_left, d_right))
+        both, heading = both + added[0], heading + added[1]
+    return both, 0.5 * (right - left) / separation, heading
 
 
 def arc_moments(
@@ -136,7 +144,7 @@ def arc_moments(
 
 def propagated_moments(
         moments: PoseMoments, pose: Pose, geometry: WheelGeometry, d_left: float, d_right: float,
-        k_left: float, k_right: float) -> Tuple[Pose, PoseMoments]:
+        k_left: float, k_right: float, body: BodySlip = NO_BODY_SLIP) -> Tuple[Pose, PoseMoments]:
     """
     Return the published pose and its moments after an arc, both in the frame of ``pose``.
 
@@ -154,6 +162,8 @@ def propagated_moments(
         Travel [m] of the wheels along the arc, the bias included; of any sign.
     k_left, k_right : float
         Slip variance per metre of that travel [m].
+    body : BodySlip
+        What slips beside the wheels.
 
     Returns
     -------
@@ -180,6 +190,6 @@ def propagated_moments(
     after = advance(pose, distance, turn)
     slip = slip_on_arc(
         geometry, d_left, d_right, check_non_negative('left slip variance', k_left),
-        check_non_negative('right slip variance', k_right))
+        check_non_negative('right slip variance', k_right), body)
     way = complex(float(after.x) - float(pose.x), float(after.y) - float(pose.y))
     return after, followed(moments, float(pose.theta), way, arc_moments(distance, turn, slip))

@@ -1,0 +1,90 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""
+Covariance that the slip of the body gathers along a recorded path, beside that of the wheels.
+
+As :mod:`.covariance_along`, to first order: linear in the constants, which is what a fit needs.
+"""
+
+from diffdrive_kinematics.core.kinematics import pose_change_from_travel, sinc, WheelGeometry
+from diffdrive_kinematics.core.noise.arc_means import arc_means_of_all
+from diffdrive_kinematics.core.noise.matrices import pose_jacobians, rotations
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ['body_covariance_along']
+
+Array = NDArray[np.float64]
+
+
+def body_covariance_along(geometry: WheelGeometry, travel: Array) -> Array:
+    """
+    Return the covariances that the slip of the body makes of a path, for constants of 1.
+
+    In the axes of an arc's middle direction, with h = turn / 2 and s from -1 (start) to 1 (end),
+    an error of the distance at s moves the end by ``(cos(h s), sin(h s), 0)``, one of the heading
+    by ``(-ds / 2 e(s), ds / 2 (sin(h) - sin(h s)) / h, 1)``, ``e(s) = (cos(h s) - cos(h)) / h``.
+
+    Parameters
+    ----------
+    geometry : WheelGeometry
+        Only its separation counts.
+    travel : numpy.ndarray, shape (n, 2)
+        Finite travel (d_l, d_r) [m] of each of n >= 1 arcs, in order.
+
+    Returns
+    -------
+    numpy.ndarray, shape (3, 3, 3)
+        Of the pose at the end, in the frame of the start, from the variances of
+        :class:`.BodySlip`, in their order: that of all is their sum, each times its constant.
+
+    Examples
+    --------
+    A straight metre of twenty rows:
+
+    >>> linear, turn, heading = body_covariance_along(
+    ...     WheelGeometry(0.5, 0.125), np.full((20, 2), 0.05))
+    >>> f'{linear[0, 0]:.1f} {turn[2, 2]:.1f} {heading[2, 2]:.1f} {heading[1, 1]:.3f}'
+    '1.0 0.0 1.0 0.333'
+
+    """
+    distance, turn = pose_change_from_travel(geometry, *travel.T)
+    half = 0.5 * turn
+    theta = np.cumsum(turn)
+    way, chord = theta - half, distance * sinc(half)
+    x, y = np.cumsum(chord * np.cos(way)), np.cumsum(chord * np.sin(way))
+    onward = pose_jacobians(x[-1] - x, y[-1] - y) @ rotations(way)
+    of_distance, of_heading = _added(distance, chord, half)
+    weight = np.abs(np.stack([distance, turn, distance]))
+    gathered: Array = np.stack([
+        np.einsum('n,nij,njk,nlk->il', each, onward, added, onward, optimize=True)
+        for each, added in zip(weight, (of_distance, of_heading, of_heading))])
+    return gathered
+
+
+def _added(distance: Array, chord: Array, half: Array) -> Array:
+    """Return what errors of the distance, and of the heading, add, shape (2, n, 3, 3)."""
+    e_mean, e_square, sine_square = arc_means_of_all(half)
+    added = np.zeros((2, len(half), 3, 3))
+    added[0, :, 1, 1] = half * half * sine_square
+    added[0, :, 0, 0] = 1.0 - added[0, :, 1, 1]
+    middle, across = -0.5 * distance * e_mean, 0.5 * chord
+    added[1, :, 0, 0] = 0.25 * distance**2 * e_square
+    added[1, :, 0, 1] = added[1, :, 1, 0] = middle * across
+    added[1, :, 0, 2] = added[1, :, 2, 0] = middle
+    added[1, :, 1, 1] = across**2 + 0.25 * distance**2 * sine_square
+    added[1, :, 1, 2] = added[1, :, 2, 1] = across
+    added[1, :, 2, 2] = 1.0
+    return added

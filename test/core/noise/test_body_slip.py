@@ -1,0 +1,134 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Slip of the body: its law, its moments, and what sampled paths make of it."""
+
+import math
+
+from diffdrive_kinematics.core.kinematics import Pose, WheelGeometry
+from diffdrive_kinematics.core.noise import (
+    body_covariance_along, body_variances, BodySlip, CERTAIN, NO_BODY_SLIP, propagated_moments,
+    slip_on_arc)
+from hypothesis import given, settings, strategies as st
+import numpy as np
+import pytest
+
+LAW = settings(deadline=None, derandomize=True)
+GEOMETRY = WheelGeometry(0.2, 0.05)
+ORIGIN = Pose(0.0, 0.0, 0.0)
+BODY = BodySlip(linear_variance=1e-3, turn_variance=0.01, heading_variance=2e-3)
+EACH = pytest.mark.parametrize('body', [
+    BodySlip(1e-3), BodySlip(turn_variance=0.01), BodySlip(heading_variance=2e-3), BODY])
+variances = st.one_of(st.just(0.0), st.floats(1e-9, 0.1))
+bodies = st.builds(BodySlip, variances, variances, variances)
+
+
+def travel_of(distance, turn):
+    """Return (d_l, d_r) of an arc."""
+    return distance - 0.5 * turn * GEOMETRY.separation, distance + 0.5 * turn * GEOMETRY.separation
+
+
+def in_steps(arc, k, body, n):
+    """Return the moments after n equal parts of an arc (distance, turn)."""
+    pose, moments = Pose(3.0, -1.0, 2.9), CERTAIN
+    for _ in range(n):
+        pose, moments = propagated_moments(
+            moments, pose, GEOMETRY, *travel_of(*(each / n for each in arc)), *k, body)
+    return moments
+
+
+def discrepancy(moments, other):
+    """Return the largest ``|dP_ij| / sqrt(P_ii P_jj)``."""
+    first, second = (each.second_moment().matrix() for each in (moments, other))
+    scale = np.sqrt(np.diag(second))
+    return float(np.max(np.abs(first - second) / np.outer(scale, scale)))
+
+
+@pytest.mark.parametrize(('distance', 'turn', 'expected'), [
+    (2.0, 0.0, (2e-3, 4e-3)), (-2.0, 0.0, (2e-3, 4e-3)), (0.0, -0.5, (0.0, 5e-3)),
+    (1.0, 3.0, (1e-3, 0.032)), (0.0, 0.0, (0.0, 0.0))])
+def test_the_variances_by_hand(distance, turn, expected):
+    assert body_variances(BODY, distance, turn) == pytest.approx(expected)
+    both, together, heading = slip_on_arc(GEOMETRY, *travel_of(distance, turn), 0.0, 0.0, BODY)
+    assert (both, heading) == pytest.approx(expected, rel=1e-12, abs=1e-18)
+    assert together == 0.0
+
+
+@LAW
+@given(st.floats(-5.0, 5.0), st.floats(-3.0, 3.0), variances, variances, bodies)
+def test_the_slip_of_the_body_is_independent_of_that_of_the_wheels(
+        distance, turn, k_left, k_right, body):
+    d = travel_of(distance, turn)
+    wheels, alone, all_slip = (
+        slip_on_arc(GEOMETRY, *d, *k, each) for k, each in (
+            ((k_left, k_right), NO_BODY_SLIP), ((0.0, 0.0), body), ((k_left, k_right), body)))
+    assert all_slip == pytest.approx(np.add(wheels, alone), rel=1e-12)
+
+
+@pytest.mark.parametrize('n', range(1, 101))
+def test_one_arc_is_n_arcs_for_every_n_and_signs(n):
+    worst = 0.0
+    for turn in (0.0, 1e-9, 0.1, -0.5, 1.0, 30.0):
+        for distance in (0.5, -0.5, 0.0, 20.0):
+            for k in ((0.0, 0.0), (1e-5, 3e-5)):
+                if distance or turn and k[0]:  # in place the body alone moves no centre
+                    one, many = (in_steps((distance, turn), k, BODY, each) for each in (1, n))
+                    worst = max(worst, discrepancy(many, one))
+    assert worst < 1e-9
+
+
+@pytest.mark.parametrize('n', [1, 7, 100])
+def test_in_place_only_the_turn_counts_and_only_the_heading_is_lost(n):
+    moments = in_steps((0.0, 2.0), (0.0, 0.0), BODY, n).second_moment()
+    assert moments.tt == pytest.approx(0.02, rel=1e-12)
+    assert moments[:-1] == pytest.approx((0.0,) * 5, abs=1e-15)
+
+
+@EACH
+def test_small_slip_of_a_path_has_the_covariance_of_first_order(body):
+    rows = np.array([(1.0, 1.3), (-0.2, 0.2), (2.0, 1.0), (-1.0, -1.0), (0.0, 0.3)])
+    constants = [1e-9 * each for each in (
+        body.linear_variance, body.turn_variance, body.heading_variance)]
+    pose, moments = ORIGIN, CERTAIN
+    for row in rows:
+        pose, moments = propagated_moments(
+            moments, pose, GEOMETRY, *row, 0.0, 0.0, BodySlip(*constants))
+    gathered = np.einsum('k,kij->ij', constants, body_covariance_along(GEOMETRY, rows))
+    scale = np.sqrt(np.maximum(np.diag(gathered), 1e-20))
+    assert moments.second_moment().matrix() / np.outer(scale, scale) == pytest.approx(
+        gathered / np.outer(scale, scale), abs=1e-7)
+
+
+@LAW
+@given(st.lists(st.tuples(st.floats(-5.0, 5.0), st.floats(-5.0, 5.0)), min_size=1, max_size=5),
+       variances, bodies)
+def test_the_second_moment_is_positive_semidefinite(course, k, body):
+    pose, moments = ORIGIN, CERTAIN
+    for d in course:
+        pose, moments = propagated_moments(moments, pose, GEOMETRY, *d, k, k, body)
+    values = np.linalg.eigvalsh(moments.second_moment().matrix())
+    assert values[0] >= -1e-13 * values[-1]
+
+
+@pytest.mark.parametrize(('values', 'name'), [
+    ((-1e-9,), 'linear slip variance'), ((0.0, math.nan), 'turn slip variance'),
+    ((0.0, 0.0, math.inf), 'heading slip variance'), ((0.0, 0.0, 0.0, 'normal'),
+                                                      'slip distribution')])
+def test_bad_values_are_refused_by_name(values, name):
+    with pytest.raises(ValueError, match=f'^{name} is'):
+        BodySlip(*values)
+
+
+def test_nothing_is_the_default():
+    assert BodySlip() == NO_BODY_SLIP and not NO_BODY_SLIP and BODY
