@@ -15,11 +15,12 @@
 """The pose at the anchor, with compensated sums, so that a day of driving loses no digits."""
 
 import math
-from typing import NamedTuple
+from typing import NamedTuple, Optional
 
 from diffdrive_kinematics.core.kinematics import (
     check_finite, displacement, Pose, RunningSum, wrap_angle)
-from diffdrive_kinematics.core.noise import CERTAIN, PoseMoments
+from diffdrive_kinematics.core.noise import (
+    CERTAIN, NO_COVARIANCE, PoseCovariance, PoseMoments, SessionBelief, SessionSpread)
 
 __all__ = ['Anchor']
 
@@ -33,7 +34,9 @@ class Anchor(NamedTuple):
     x, y, theta : RunningSum
         The pose [m, m, rad]; theta is not wrapped.
     moments : PoseMoments
-        Of the error of the pose, in the fixed frame.
+        Of the error of the pose, in the fixed frame, without what lasts a run.
+    session : SessionBelief or None
+        What lasts a run; None: nothing does.
 
     Examples
     --------
@@ -43,15 +46,23 @@ class Anchor(NamedTuple):
     >>> anchor.pose_after(0.0, 0.5)
     Pose(x=2.0, y=0.0, theta=0.5)
 
+    A curvature that differs by 0.1 rad/m from run to run counts from where it is set:
+
+    >>> covariance = anchor.with_session(SessionSpread(curvature=0.1)).session_after(2.0, 0.0)
+    >>> round(math.sqrt(covariance.tt), 9)
+    0.2
+
     """
 
     x: RunningSum
     y: RunningSum
     theta: RunningSum
     moments: PoseMoments
+    session: Optional[SessionBelief] = None
 
     @staticmethod
-    def at(pose: Pose, moments: PoseMoments = CERTAIN) -> 'Anchor':
+    def at(pose: Pose, moments: PoseMoments = CERTAIN,
+           session: Optional[SessionBelief] = None) -> 'Anchor':
         """
         Return the anchor at a pose.
 
@@ -61,6 +72,8 @@ class Anchor(NamedTuple):
             The pose; scalars.
         moments : PoseMoments
             Of the error of the pose, in the fixed frame.
+        session : SessionBelief or None
+            What lasts a run: it lasts, and the pose does not depend on it yet.
 
         Returns
         -------
@@ -79,7 +92,29 @@ class Anchor(NamedTuple):
         """
         x, y, theta = (RunningSum(check_finite(f'{name} of the pose', float(value)))
                        for name, value in zip(('x', 'y', 'yaw'), pose))
-        return Anchor(x, y, theta, moments)
+        return Anchor(x, y, theta, moments, session and session.restarted())
+
+    def with_session(self, spread: SessionSpread) -> 'Anchor':
+        """
+        Return the anchor with other standard deviations of what lasts a run.
+
+        Parameters
+        ----------
+        spread : SessionSpread
+            Between runs.
+
+        Returns
+        -------
+        Anchor
+            The anchor with them; where nothing was counted before, it counts from here on.
+
+        Examples
+        --------
+        See :class:`Anchor`.
+
+        """
+        session = self.session or SessionBelief(spread)
+        return self._replace(session=session._replace(spread=spread) if spread else None)
 
     @property
     def heading(self) -> float:
@@ -107,7 +142,7 @@ class Anchor(NamedTuple):
         See :class:`Anchor`.
 
         """
-        x, y, theta, _ = self
+        x, y, theta, _, _ = self
         dx, dy = displacement(_heading(theta), distance, turn)
         return Pose(x.value_with(dx), y.value_with(dy), wrap_angle(theta.value_with(turn)))
 
@@ -134,9 +169,37 @@ class Anchor(NamedTuple):
         See :class:`Anchor`.
 
         """
-        x, y, theta, _ = self
-        dx, dy = displacement(_heading(theta), distance, turn)
-        return Anchor(x.plus(dx), y.plus(dy), theta.plus(turn), moments)
+        x, y, theta, _, session = self
+        heading = _heading(theta)
+        dx, dy = displacement(heading, distance, turn)
+        if session is not None:
+            session = session.after(heading, distance, turn)
+        return Anchor(x.plus(dx), y.plus(dy), theta.plus(turn), moments, session)
+
+    def session_after(self, distance: float, turn: float) -> PoseCovariance:
+        """
+        Return the covariance that what lasts a run makes at the end of an arc.
+
+        Parameters
+        ----------
+        distance : float
+            Length of the arc [m], negative in reverse.
+        turn : float
+            Change of the heading [rad].
+
+        Returns
+        -------
+        PoseCovariance
+            In the fixed frame.
+
+        Examples
+        --------
+        See :class:`Anchor`.
+
+        """
+        if self.session is None:
+            return NO_COVARIANCE
+        return self.session.after(self.heading, distance, turn).covariance()
 
 
 def _heading(theta: RunningSum) -> float:

@@ -234,7 +234,7 @@ class Odometry(OdometryState):
 
         """
         return self._replace(
-            anchor=Anchor.at(pose, gaussian_moments(covariance)),
+            anchor=Anchor.at(pose, gaussian_moments(covariance), self.anchor.session),
             wheels=self.wheels.stopped(now_ns, keep_angles=keep_angles))
 
 

@@ -131,7 +131,7 @@ class OdometryState(NamedTuple):
         Return the covariance of the pose at a time, in the fixed frame (the axes of x and y).
 
         It is the second moment of the error about the pose of :meth:`predict`, whose mean is
-        that of :meth:`moments_at`.
+        that of :meth:`moments_at`; what lasts a run is on top.
 
         Parameters
         ----------
@@ -159,19 +159,18 @@ class OdometryState(NamedTuple):
         '-2.0e-04 m'
 
         """
-        moments, heading = self.anchor.moments, self.anchor.heading
-        if self.slip_variances == ZERO and moments is CERTAIN:
+        _, _, _, moments, session = anchor = self.anchor
+        if self.slip_variances == ZERO and moments is CERTAIN and session is None:
             return NO_COVARIANCE
-        angle = self.wheels.angle_at(time_ns)
-        if angle == ZERO:
-            return moments.second_moment()
-        return second_moment_after(moments, heading, *self._arc(heading, angle, swings=False))
+        angle, heading = self.wheels.angle_at(time_ns), anchor.heading
+        covariance = moments.second_moment() if angle == ZERO else second_moment_after(
+            moments, heading, *self._arc(heading, angle, swings=False))
+        return covariance if session is None else covariance.plus(
+            anchor.session_after(*twist_from_wheel_rates(self.geometry, *angle)))
 
     def moments_at(self, time_ns: int) -> PoseMoments:
         """
-        Return the moments of the error of the pose at a time, in the fixed frame.
-
-        They are what slip makes of the start, exactly; the equations stand in ``arc_moments``.
+        Return the moments that slip makes of the error of the pose; see ``arc_moments``.
 
         Parameters
         ----------

@@ -21,10 +21,12 @@ the rate just asked for, times what the interval just past made of its travel.
 """
 
 from dataclasses import dataclass, replace
+import math
 from typing import Optional, Tuple
 
 from diffdrive_kinematics.core.kinematics import RunningSum
-from diffdrive_kinematics.core.noise import effective_ratio, sample_travel, WheelSlip
+from diffdrive_kinematics.core.noise import (
+    effective_ratio, sample_travel, SessionError, travel_in_session, WheelSlip)
 from diffdrive_kinematics.core.odometry.motion_update import update_motion
 from diffdrive_kinematics.core.odometry.wheel_motion import baseline, rolled, WheelMotion
 from diffdrive_kinematics.core.odometry.wheel_sample import Verdict, WheelPair, WheelSample, ZERO
@@ -54,6 +56,10 @@ class SlipStream:
         Nominal angle [rad] that was put out already, beyond the anchor of ``motion``.
     left, right : RunningSum
         Effective angles [rad] that were put out.
+    session : SessionError or None
+        What this run has from its start to its end; bias and slip come on top.
+    separation : float
+        Distance of the wheels [m], which only a session asks for.
 
     Examples
     --------
@@ -77,6 +83,8 @@ class SlipStream:
     ahead: WheelPair = ZERO
     left: RunningSum = RunningSum(0.0)
     right: RunningSum = RunningSum(0.0)
+    session: Optional[SessionError] = None
+    separation: float = math.nan
 
     def apply(
             self, sample: WheelSample, generator: 'np.random.Generator'
@@ -130,6 +138,8 @@ class SlipStream:
         held = rolled(motion, last_out_ns, self.timeout_ns)
         nominal = (anchor_moved[0] + held[0] - self.ahead[0],
                    anchor_moved[1] + held[1] - self.ahead[1])
+        if self.session is not None:
+            nominal = self._in_session(self.session, nominal)
         left, left_ratio = _slip(
             self.left_slip, nominal[0], self.radii[0], generator)
         right, right_ratio = _slip(
@@ -145,10 +155,20 @@ class SlipStream:
         """Return the sample to put out; its positions are left away while nothing counts yet."""
         first = self.motion is None
         left, right = ratios or (1.0 + self.left_slip.bias, 1.0 + self.right_slip.bias)
-        rates = (motion.rates[0] * left, motion.rates[1] * right) if motion.holds else None
+        held = motion.rates
+        if self.session is not None:
+            held = self._in_session(self.session, held)
+        rates = (held[0] * left, held[1] * right) if motion.holds else None
         if first:
             return WheelSample(sample.stamp_ns, rates or ZERO)
         return WheelSample(self.last_out_ns, rates, (self.left.value, self.right.value))
+
+    def _in_session(self, session: SessionError, wheels: WheelPair) -> WheelPair:
+        """Return angles or rates of the wheels as they are in this session."""
+        left, right = self.radii
+        d_left, d_right = travel_in_session(
+            session, self.separation, left * wheels[0], right * wheels[1])
+        return float(d_left) / left, float(d_right) / right
 
 
 def _slip(
