@@ -20,13 +20,13 @@ import sys
 import time
 from typing import Any, Mapping, Sequence, Tuple
 
+from diffdrive_kinematics.core.commands import Helm
 from diffdrive_kinematics.ros.messages.codec import TwistCodec
 from diffdrive_kinematics.ros.parameters.parameters import ConfigurationError
 from diffdrive_kinematics.ros.parameters.tables import TELEOP
 from diffdrive_kinematics.ros.runtime.node import DiffDriveNode
 from diffdrive_kinematics.ros.runtime.output import show
 from diffdrive_kinematics.ros.runtime.running import main_of
-from diffdrive_kinematics.tools.helm import Helm
 from diffdrive_kinematics.tools.keyboard import Keyboard
 from geometry_msgs.msg import Twist, TwistStamped
 from rclpy.publisher import Publisher

@@ -20,6 +20,7 @@ import time
 from typing import Any, List, Mapping, Tuple
 
 from diagnostic_msgs.msg import DiagnosticArray
+from diffdrive_kinematics.core.commands import Helm
 from diffdrive_kinematics.ros.inputs.remote_parameters import RemoteParameters
 from diffdrive_kinematics.ros.inputs.remote_triggers import RemoteTriggers
 from diffdrive_kinematics.ros.messages.codec import TwistCodec
@@ -29,7 +30,6 @@ from diffdrive_kinematics.ros.parameters.tables import WEB_VIEW
 from diffdrive_kinematics.ros.runtime.diagnostics import RateSample, Status
 from diffdrive_kinematics.ros.runtime.node import DiffDriveNode
 from diffdrive_kinematics.ros.runtime.running import main_of
-from diffdrive_kinematics.tools.helm import Helm
 from diffdrive_kinematics.tools.page_frame import check_numbers, PageFrame
 from diffdrive_kinematics.tools.same_origin import LOOPBACK
 from geometry_msgs.msg import PolygonStamped, PoseArray, PoseStamped, Twist, TwistStamped
@@ -126,8 +126,8 @@ class WebView(DiffDriveNode[Config]):
                 (PoseArray, 'poses_topic', self._shown.take_poses),
                 (PolygonStamped, 'boundary_topic', self._shown.take_boundary))
             if values[name]]
-        self._heard.append(self.create_subscription(
-            DiagnosticArray, '/diagnostics', self._shown.take_diagnostics, 10))
+        self._heard.append(self.runtime.listen_beside(  # the node publishes there, too
+            DiagnosticArray, '/diagnostics', self._shown.take_diagnostics))
 
     def _ignore(self) -> None:
         for subscription in self._heard:

@@ -16,7 +16,6 @@
 
 from typing import Any, Callable, Dict, List, Tuple
 
-from diffdrive_kinematics.ros.parameters.qos import best_effort, latched
 from diffdrive_kinematics.ros.runtime.diagnostics import ERROR, Problem
 from std_msgs.msg import Bool
 from std_srvs.srv import Trigger
@@ -52,11 +51,7 @@ class EmergencyStop:
         self.engaged = False
         self.ignored = 0
         if topic:
-            node.runtime.listen(Bool, topic, self._on_topic)
-            # DDS joins no reader and writer where the reader asks for more: what is latched, or
-            # what is reliable.  What is heard twice is the same.
-            for profile in (latched(), best_effort()):
-                node.create_subscription(Bool, topic, self._on_topic, profile)
+            node.runtime.listen_to_any(Bool, topic, self._on_topic)
         node.runtime.serve(Trigger, '~/stop', self._on_stop_service)
         node.runtime.serve(Trigger, '~/resume', self._on_resume)
 

@@ -18,9 +18,9 @@ What a node may ask of the world, and the plain answer: rclpy's own timers and c
 ``runtimes.py`` has the two other answers, and decides which of them a node gets.
 """
 
-from typing import Any, Callable, Optional, Sequence
+from typing import Any, Callable, Optional, Sequence, Set
 
-from diffdrive_kinematics.ros.parameters.qos import best_effort as hearing_all
+from diffdrive_kinematics.ros.parameters.qos import best_effort as hearing_all, latched, reliable
 from diffdrive_kinematics.ros.runtime.clocks import period_ns, Timer
 from diffdrive_kinematics.ros.runtime.endpoints import Endpoints, QUEUE_DEPTH
 from diffdrive_kinematics.ros.runtime.final_command import repeat_until_heard
@@ -64,6 +64,7 @@ class Runtime:
             endpoints: Optional[Endpoints] = None) -> None:
         self._node, self._rejections = node, rejections
         self._endpoints = endpoints or Endpoints(node)
+        self._beside: Set[Subscription] = set()
         self.clock = node.get_clock()
         self._time = time_of(self.clock)
 
@@ -130,6 +131,33 @@ class Runtime:
             message_type, topic, self._heard(topic, callback, informed),
             hearing_all(QUEUE_DEPTH) if best_effort else None, raw=raw)
 
+    def listen_to_any(
+            self, message_type: type, topic: str, callback: Callable[[Any], None]) -> None:
+        """
+        Hear reliable publishers, best-effort ones, and what was latched before the node began.
+
+        DDS joins no reader and writer where the reader asks for more than the writer offers, so
+        there is a subscription for each: the callback may get a message several times.
+        """
+        self.listen(message_type, topic, callback)
+        for profile in (latched(), hearing_all()):
+            self.listen_beside(message_type, topic, callback, profile)
+
+    def listen_beside(
+            self, message_type: type, topic: str, callback: Callable[[Any], None],
+            profile: Optional[QoSProfile] = None) -> Subscription:
+        """
+        Return a subscription to a topic that the node may publish or hear already.
+
+        Its messages may wait for a tenth of a second, and time that is stepped does not wait for
+        them.
+        """
+        subscription = self._node.create_subscription(
+            message_type, topic, self._rejections.guarded(topic, callback),
+            profile or reliable(QUEUE_DEPTH))
+        self._beside.add(subscription)
+        return subscription
+
     def _heard(
             self, topic: str, callback: Callable[..., None],
             informed: bool) -> Callable[..., None]:
@@ -146,7 +174,11 @@ class Runtime:
 
     def unlisten(self, subscription: Subscription) -> None:
         """End a subscription."""
-        self._endpoints.destroy(subscription)
+        if subscription in self._beside:
+            self._beside.remove(subscription)
+            self._node.destroy_subscription(subscription)
+        else:
+            self._endpoints.destroy(subscription)
 
     def serve(
             self, service_type: type, name: str, callback: Callable[[Any, Any], Any]) -> Service:

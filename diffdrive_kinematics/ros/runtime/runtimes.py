@@ -75,7 +75,8 @@ class SteppedRuntime(Runtime):
 
     def unlisten(self, subscription: Subscription) -> None:
         """End a subscription."""
-        self._in_flight.remove_listener(subscription.topic_name)
+        if subscription not in self._beside:
+            self._in_flight.remove_listener(subscription.topic_name)
         super().unlisten(subscription)
 
     def conclude(self, say: Callable[[], Any]) -> None:
