@@ -191,7 +191,7 @@ def from_files(config: Config, progress: Progress) -> Calibration:
     progress('fitting', begins=True)
     calibration = of_drives(
         values, geometry, drives, commands=commands,
-        clock=values['clock'] or ('delay' if commands else 'offsets'), progress=progress)
+        clock=values['clock'] or ('delay' if commands else 'auto'), progress=progress)
     return replace(calibration, remarks=(*calibration.remarks, *remarks))
 
 

@@ -24,14 +24,15 @@ from diffdrive_kinematics.core.calibration import (
     slip_from_squares, TrajectoryFit, Windows, without_frozen_poses)
 from diffdrive_kinematics.core.kinematics import WheelGeometry
 from diffdrive_kinematics.tools.calibration_remarks import (
-    course_remarks, frame_remark, frozen_remark, KNOWN_BY_DRIVES, KNOWN_BY_RATIO, square_remarks)
+    clock_remark, course_remarks, frame_remark, frozen_remark, KNOWN_BY_DRIVES, KNOWN_BY_RATIO,
+    square_remarks)
 from diffdrive_kinematics.tools.recordings import nobody
 
 __all__ = [
     'CLOCKS', 'Calibration', 'Gain', 'MULTIPLIERS', 'Row', 'of_drives', 'of_squares', 'table']
 
 CLOCKS = {'none': Clock.NONE, 'delay': Clock.DELAY, 'offsets': Clock.OFFSETS,
-          'drifts': Clock.DRIFTS}
+          'drifts': Clock.DRIFTS, 'auto': Clock.AUTO}
 MULTIPLIERS = (
     'left_wheel_radius_multiplier', 'right_wheel_radius_multiplier',
     'wheel_separation_multiplier')
@@ -126,8 +127,7 @@ def of_drives(
     if clock == 'delay':
         rows.append(Row('delay [s]', *fit.offsets[0]))
     elif clock != 'none':
-        rows += [Row(f'clock offset of drive {number} [s]', *offset)
-                 for number, offset in enumerate(fit.offsets, start=1)]
+        rows += _clock_rows(fit)
     rows += [Row('slip variance k left [m]', *slip.k_left),
              Row('slip variance k right [m]', *slip.k_right)]
     gains = (
@@ -138,8 +138,19 @@ def of_drives(
     return Calibration(
         'trajectory fit', after, (slip.k_left.value, slip.k_right.value), tuple(rows), gains,
         (*_remarks(fit, drives), KNOWN_BY_RATIO if keep else KNOWN_BY_DRIVES,
-         *frozen_remark(whole, drives), *frame_remark(fit), *course_remarks(geometry, drives)),
+         *frozen_remark(whole, drives), *clock_remark(fit), *frame_remark(fit),
+         *course_remarks(geometry, drives)),
         (fit, geometry, drives))
+
+
+def _clock_rows(fit: TrajectoryFit) -> List[Row]:
+    """Return offset and drift of each drive; a drift that was not fitted is 0."""
+    rows = []
+    for number, (offset, drift) in enumerate(zip(fit.offsets, fit.drifts), start=1):
+        rows += [Row(f'clock offset of drive {number} [s]', *offset),
+                 Row(f'clock drift of drive {number} [s/min]', 60.0 * drift.value,
+                     60.0 * drift.error if f'drift of drive {number}' in fit.names else None)]
+    return rows
 
 
 def _remarks(fit: TrajectoryFit, drives: Sequence[RecordedDrive]) -> List[str]:

@@ -17,13 +17,14 @@
 import math
 from typing import List, Sequence
 
-from diffdrive_kinematics.core.calibration import RecordedDrive, SquareFit, TrajectoryFit
+from diffdrive_kinematics.core.calibration import (
+    drift_pays, RecordedDrive, SquareFit, TrajectoryFit)
 from diffdrive_kinematics.core.kinematics import WheelGeometry
 import numpy as np
 
 __all__ = [
-    'KNOWN_BY_DRIVES', 'KNOWN_BY_RATIO', 'course_remarks', 'frame_remark', 'frozen_remark',
-    'square_remarks']
+    'KNOWN_BY_DRIVES', 'KNOWN_BY_RATIO', 'clock_remark', 'course_remarks', 'frame_remark',
+    'frozen_remark', 'square_remarks']
 
 KNOWN_BY_DRIVES = 'known from the drives: both radii and the separation'
 KNOWN_BY_RATIO = (
@@ -62,6 +63,18 @@ def frozen_remark(whole: Sequence[RecordedDrive], kept: Sequence[RecordedDrive])
         return []
     return [f'{number} poses of the reference were left out: they repeat the one before while '
             'the wheels turn (does the tracker hang?)']
+
+
+def clock_remark(fit: TrajectoryFit) -> List[str]:
+    """Return of which drives the reference's clock drifts, if that was chosen."""
+    tried = [(number, ratio) for number, ratio in enumerate(fit.drift_ratios, start=1)
+             if ratio is not None]
+    if not tried:
+        return []
+    said = ', '.join(f'{number}: {ratio:.1f} ({"drift" if drift_pays(ratio) else "offset alone"})'
+                     for number, ratio in tried)
+    return ["the clock of a drive's reference has an offset, and a drift where the likelihood "
+            f'ratio for it is over 6.6 (1 % by chance); ratio of drive {said}']
 
 
 def frame_remark(fit: TrajectoryFit) -> List[str]:

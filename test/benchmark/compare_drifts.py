@@ -53,7 +53,9 @@ def real_drifts(geometry, recorded, systematic):
         x=systematic.x, y=systematic.y, yaw=systematic.yaw, offset=systematic.offset,
         drift=systematic.drift)
     error = linearised(geometry, recorded, windows, frame_only).error
-    stamps = recorded.reference_time - systematic.offset
+    middle = 0.5 * (recorded.time[0] + recorded.time[-1])
+    stamps = (recorded.reference_time - systematic.offset
+              - systematic.drift * (recorded.reference_time - middle))
     travels = []
     for start, end in zip(windows.start, windows.end):
         inner = recorded.time[(recorded.time > stamps[start]) & (recorded.time < stamps[end])]

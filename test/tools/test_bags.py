@@ -70,7 +70,7 @@ def found_in(recordings, **changes):
     drives, commands, remarks = read_drives(
         {**VALUES, 'recordings': list(map(str, recordings)), **changes}, GEOMETRY)
     result = of_drives(
-        VALUES, GEOMETRY, drives, commands=commands, clock='delay' if commands else 'offsets')
+        VALUES, GEOMETRY, drives, commands=commands, clock='delay' if commands else 'auto')
     return [getattr(result.geometry, name) for name in MULTIPLIERS], result.slips, remarks
 
 

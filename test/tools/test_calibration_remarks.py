@@ -15,6 +15,7 @@
 """What is remarked upon: courses that tell little, frozen poses, a reference that looks back."""
 
 from dataclasses import replace
+import re
 
 from diffdrive_kinematics.tools.calibration import of_drives, table
 from diffdrive_kinematics.tools.calibration_remarks import course_remarks
@@ -60,6 +61,18 @@ def test_frozen_poses_and_a_reference_that_looks_back_are_in_the_report():
     assert 'looks backwards on the robot (yaw 3.00 rad)' in report
     assert 'looks backwards' not in table(of_drives(
         VALUES, GEOMETRY, [drive(0)], clock='offsets'))
+
+
+@pytest.mark.parametrize('drift, words', [
+    (2e-3, r'\(drift\)'), (0.0, r'\(offset alone\)')])
+def test_the_report_says_what_was_chosen_of_the_clock_and_why(drift, words):
+    report = table(of_drives(VALUES, GEOMETRY, [drive(0, Truth(drift=drift))], clock='auto'))
+    assert re.search(r'over 6.6 \(1 % by chance\); ratio of drive 1: [0-9.]+ ' + words, report)
+    said = re.search(r'clock drift of drive 1 \[s/min\] +(\S+) +(\S+)', report)
+    assert float(said[1]) == pytest.approx(60.0 * drift, abs=0.03)
+    assert (said[2] == '-') == (drift == 0.0)
+    assert 'ratio of drive' not in table(of_drives(
+        VALUES, GEOMETRY, [drive(0)], clock='drifts'))
 
 
 @pytest.mark.parametrize('mean_radius, words', [

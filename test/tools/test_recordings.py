@@ -61,7 +61,7 @@ def calibrated(path, reference=''):
               'mean_radius': '', 'equal_slip': True, 'encoder_resolution': 0.0}
     drives, commands, _ = read_drives(values, GEOMETRY)
     return of_drives(values, GEOMETRY, drives, commands=commands,
-                     clock='delay' if commands else 'offsets')
+                     clock='delay' if commands else 'auto')
 
 
 def refusal(path, *arguments):

@@ -19,6 +19,7 @@ UMBmark, least squares on trajectories, and the likelihood of slip on windows of
 """
 
 from diffdrive_kinematics.core.calibration.calibration_parameters import CalibrationParameters
+from diffdrive_kinematics.core.calibration.clock_choice import drift_pays
 from diffdrive_kinematics.core.calibration.drive_odometry import odometry_at
 from diffdrive_kinematics.core.calibration.drive_slip import fit_drive_slip, slip_windows
 from diffdrive_kinematics.core.calibration.drive_sources import (
@@ -47,8 +48,8 @@ __all__ = [
     'COMMANDED', 'CalibrationParameters', 'Clock', 'Estimate', 'Iteration', 'NO_FRAME',
     'NO_NOISE', 'RecordedDrive', 'ReferenceNoise', 'Residual', 'ReturnError', 'SlipFit',
     'SlipWindow', 'SquareFit', 'TrajectoryFit', 'Umbmark', 'Variances', 'WindowResiduals',
-    'WindowSet', 'Windows', 'corrected', 'drive_from_commands', 'drive_from_positions',
-    'drive_from_rates', 'drive_from_ticks', 'fit_drive_slip', 'fit_reference_noise', 'fit_slip',
-    'fit_squares', 'fit_trajectory', 'linearised', 'nees_per_dof', 'odometry_at',
-    'slip_from_squares', 'slip_window', 'slip_windows', 'umbmark', 'windows_between',
-    'without_frozen_poses']
+    'WindowSet', 'Windows', 'corrected', 'drift_pays', 'drive_from_commands',
+    'drive_from_positions', 'drive_from_rates', 'drive_from_ticks', 'fit_drive_slip',
+    'fit_reference_noise', 'fit_slip', 'fit_squares', 'fit_trajectory', 'linearised',
+    'nees_per_dof', 'odometry_at', 'slip_from_squares', 'slip_window', 'slip_windows', 'umbmark',
+    'windows_between', 'without_frozen_poses']

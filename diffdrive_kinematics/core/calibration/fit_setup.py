@@ -26,7 +26,7 @@ from diffdrive_kinematics.core.calibration.recorded_drive import RecordedDrive
 from diffdrive_kinematics.core.calibration.trajectory_windows import Windows, windows_between
 from diffdrive_kinematics.core.kinematics import check_finite, Pose, WheelGeometry
 
-__all__ = ['Clock', 'NO_FRAME', 'problem_of']
+__all__ = ['Clock', 'NO_FRAME', 'fewest_windows', 'problem_of']
 
 NO_FRAME = Pose(0.0, 0.0, 0.0)
 
@@ -46,6 +46,7 @@ class Clock(enum.Enum):
     DELAY = 'one delay for all drives'
     OFFSETS = 'an offset for each drive'
     DRIFTS = 'an offset and a drift for each drive'
+    AUTO = 'an offset for each drive, and a drift where it pays'
 
 
 def problem_of(
@@ -63,7 +64,7 @@ def problem_of(
     wheels : bool
         Fit the wheels.
     clock : Clock
-        What is fitted of the time.
+        What is fitted of the time; offsets alone for AUTO (see :mod:`.clock_choice`).
     frame : Pose or None
         Pose of the reference's frame on the robot; None: fit it.
     windows : Windows
@@ -109,15 +110,38 @@ def problem_of(
     chosen = tuple(windows_between(drive, windows.lengths, windows.every, windows.tolerance)
                    for drive in drives)
     number = sum(len(each.start) for each in chosen)
-    if 3 * number < 2 * len(columns) + 6:
+    if number < fewest_windows(len(columns)):
         raise ValueError(
             f'there are {number} windows with motion and a reference at both ends for '
             f'{len(columns)} parameters ({sum(each.in_gaps for each in chosen)} in gaps), '
-            f'expected at least {math.ceil(2 * len(columns) / 3) + 2}')
+            f'expected at least {fewest_windows(len(columns))}')
     if frame is None:
         held = frame_from_motion(geometry, drives, chosen)
     start = CalibrationParameters(x=held[0], y=held[1], yaw=held[2])
     return Problem(geometry, tuple(drives), chosen, tuple(columns), start, windows.trust)
+
+
+def fewest_windows(columns: int) -> int:
+    """
+    Return how many windows a fit needs, each of which tells three numbers.
+
+    Parameters
+    ----------
+    columns : int
+        Number of parameters.
+
+    Returns
+    -------
+    int
+        Two thirds of a window for each parameter, and two more.
+
+    Examples
+    --------
+    >>> fewest_windows(7)
+    7
+
+    """
+    return math.ceil(2 * columns / 3) + 2
 
 
 def _columns(drives: int, wheels: bool, clock: Clock, frame: bool) -> List[Column]:

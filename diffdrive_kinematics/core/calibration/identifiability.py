@@ -15,13 +15,17 @@
 """What a course, or a fit, does not tell is refused: it is named, with what was expected."""
 
 from dataclasses import replace
+from typing import List
 
 from diffdrive_kinematics.core.calibration.calibration_parameters import CalibrationParameters
+from diffdrive_kinematics.core.calibration.fit_problem import Problem
 from diffdrive_kinematics.core.calibration.fit_state import FitState
+from diffdrive_kinematics.core.calibration.window_variances import START_VARIANCES
 from diffdrive_kinematics.core.calibration.window_weights import Variances
 import numpy as np
+from numpy.typing import NDArray
 
-__all__ = ['SAME_DRIVE', 'refuse_unidentified']
+__all__ = ['SAME_DRIVE', 'course_state', 'refuse_unidentified', 'unidentified']
 
 LARGEST_ERROR = CalibrationParameters(
     left=0.1, right=0.1, separation=0.1, x=0.05, y=0.05, yaw=0.2, offset=0.5, drift=0.1)
@@ -33,9 +37,33 @@ SAME_DRIVE = 'expected m and rad, the left wheel first, forward positive, and on
 """What wheels and reference that do not agree may lack."""
 
 
-def refuse_unidentified(state: FitState, *, course: bool = False) -> None:
+def course_state(problem: Problem) -> FitState:
     """
-    Raise where the standard error of a parameter is as large as the parameter may be.
+    Return the state in which odometry is its own reference: it shows what the course tells.
+
+    Parameters
+    ----------
+    problem : Problem
+        What is fitted to what.
+
+    Returns
+    -------
+    FitState
+        At the truth, all windows with their full weight.
+
+    Examples
+    --------
+    See :func:`refuse_unidentified`.
+
+    """
+    course = problem.as_the_wheels_tell()
+    windows = sum(len(each.start) for each in problem.windows)
+    return FitState.at(course, course.initial(), np.ones(windows), START_VARIANCES)
+
+
+def unidentified(state: FitState) -> List[int]:
+    """
+    Return which parameters have a standard error as large as the parameter may be.
 
     The prior of that size keeps the matrix regular; where it alone tells the standard error, the
     data say nothing.
@@ -44,9 +72,35 @@ def refuse_unidentified(state: FitState, *, course: bool = False) -> None:
     ----------
     state : FitState
         Where the fit stands.
+
+    Returns
+    -------
+    list of int
+        Indices of their columns.
+
+    Examples
+    --------
+    See :func:`refuse_unidentified`.
+
+    """
+    usual = Variances(*(max(pair) for pair in zip(state.variances, FINEST)))
+    limit = _limits(state)
+    information, _ = replace(state, variances=usual).normal_equations()
+    scaled = information * np.outer(limit, limit) + 1e-4 * np.eye(len(limit))
+    errors = limit * np.sqrt(np.diag(np.linalg.inv(scaled)))
+    return [n for n, error in enumerate(errors) if error > limit[n]]
+
+
+def refuse_unidentified(state: FitState, *, course: bool = False) -> None:
+    """
+    Raise where the standard error of a parameter is as large as the parameter may be.
+
+    Parameters
+    ----------
+    state : FitState
+        Where the fit stands.
     course : bool
-        Judge what the course would tell (see :meth:`.Problem.as_the_wheels_tell`), instead of
-        what the reference does.
+        The state is that of :func:`course_state`, instead of what the reference tells.
 
     Raises
     ------
@@ -65,25 +119,16 @@ def refuse_unidentified(state: FitState, *, course: bool = False) -> None:
     >>> drive = drive_from_rates(stamps, np.full((20, 2), 8.0), stamps, np.zeros((20, 3)))
     >>> problem = problem_of(
     ...     WheelGeometry(0.5, 0.125), [drive], wheels=True, clock=Clock.NONE, frame=NO_FRAME,
-    ...     windows=Windows()).as_the_wheels_tell()
-    >>> windows = len(problem.windows[0].start)
-    >>> state = FitState.at(
-    ...     problem, problem.initial(), np.ones(windows), Variances(1e-6, 1e-6, 1e-6))
-    >>> refuse_unidentified(state, course=True)  # doctest: +ELLIPSIS
+    ...     windows=Windows())
+    >>> unidentified(course_state(problem))
+    [2]
+    >>> refuse_unidentified(course_state(problem), course=True)  # doctest: +ELLIPSIS
     Traceback (most recent call last):
     ...
     ValueError: the data do not identify wheel_separation_multiplier (standard error over 0.1), ...
 
     """
-    columns, problem = state.problem.columns, state.problem
-    usual = Variances(*(max(pair) for pair in zip(state.variances, FINEST)))
-    limit = np.array([getattr(LARGEST_ERROR, each.field) for each in columns])
-    limit *= [problem.geometry.separation if each.field in ('x', 'y') else 1.0
-              for each in columns]
-    information, _ = replace(state, variances=usual).normal_equations()
-    scaled = information * np.outer(limit, limit) + 1e-4 * np.eye(len(limit))
-    errors = limit * np.sqrt(np.diag(np.linalg.inv(scaled)))
-    lost = [n for n, error in enumerate(errors) if error > limit[n]]
+    lost, limit, columns = unidentified(state), _limits(state), state.problem.columns
     if lost:
         said = ', '.join(f'{columns[n].name} (standard error over {limit[n]:.2g})' for n in lost)
         raise ValueError(
@@ -92,3 +137,12 @@ def refuse_unidentified(state: FitState, *, course: bool = False) -> None:
             if course else
             f'wheels and reference do not agree well enough to tell {said}, though the course '
             f'would: {SAME_DRIVE}')
+
+
+def _limits(state: FitState) -> NDArray[np.float64]:
+    """Return how large the standard errors of the parameters may be."""
+    problem = state.problem
+    return np.array([
+        getattr(LARGEST_ERROR, each.field)
+        * (problem.geometry.separation if each.field in ('x', 'y') else 1.0)
+        for each in problem.columns])

@@ -27,10 +27,12 @@ drive without turns nothing about where the reference's frame sits.
 """
 
 from dataclasses import replace
+from functools import partial
 import math
 from typing import List, Optional, Sequence, Tuple
 
 from diffdrive_kinematics.core.calibration.calibration_parameters import FRAME, NAMES, WHEELS
+from diffdrive_kinematics.core.calibration.clock_choice import chosen_clocks, Ratios
 from diffdrive_kinematics.core.calibration.estimate import Estimate
 from diffdrive_kinematics.core.calibration.fit_covariance import (
     parameter_covariance, taken_by_fit)
@@ -39,7 +41,8 @@ from diffdrive_kinematics.core.calibration.fit_setup import Clock, problem_of
 from diffdrive_kinematics.core.calibration.fit_state import FitState
 from diffdrive_kinematics.core.calibration.gauss_newton import (
     descend, Iteration, newton_step, Watch)
-from diffdrive_kinematics.core.calibration.identifiability import refuse_unidentified, SAME_DRIVE
+from diffdrive_kinematics.core.calibration.identifiability import (
+    course_state, refuse_unidentified, SAME_DRIVE)
 from diffdrive_kinematics.core.calibration.recorded_drive import RecordedDrive
 from diffdrive_kinematics.core.calibration.trajectory_result import Residual, TrajectoryFit
 from diffdrive_kinematics.core.calibration.trajectory_windows import Windows
@@ -65,7 +68,7 @@ def _ignored(iteration: Iteration) -> None:
 
 def fit_trajectory(
         geometry: WheelGeometry, drives: Sequence[RecordedDrive], *, wheels: bool = True,
-        mean_radius: bool = True, clock: Clock = Clock.OFFSETS, frame: Optional[Pose] = None,
+        mean_radius: bool = True, clock: Clock = Clock.AUTO, frame: Optional[Pose] = None,
         windows: Windows = Windows(), watch: Watch = _ignored) -> TrajectoryFit:
     """
     Return the systematic errors that explain the reference best, with standard errors.
@@ -86,7 +89,7 @@ def fit_trajectory(
         stays as fitted and distance as given.  How much of a commanded distance a robot covers
         changes with what it does, and is no property of its wheels.
     clock : Clock
-        What is fitted of the time.
+        What is fitted of the time; AUTO chooses by likelihood (see :mod:`.clock_choice`).
     frame : Pose, optional
         Pose of the reference's frame on the robot, where it is known; fitted where it is not.
     windows : Windows
@@ -125,22 +128,28 @@ def fit_trajectory(
         geometry, drives, wheels=wheels, clock=clock, frame=frame, windows=windows)
     try:
         with np.errstate(all='ignore'):  # what comes of it is judged
-            return _fitted(problem, wheels and not mean_radius, watch)
+            return _fitted(problem, clock, wheels and not mean_radius, watch)
     except np.linalg.LinAlgError as error:
         raise ValueError(
             f'wheels and reference do not agree well enough to be fitted ({error}): '
             f'{SAME_DRIVE}') from error
 
 
-def _fitted(problem: Problem, mean_radius_kept: bool, watch: Watch) -> TrajectoryFit:
+def _fitted(
+        problem: Problem, clock: Clock, mean_radius_kept: bool, watch: Watch) -> TrajectoryFit:
     """Return the fit; ``LinAlgError`` where the numbers leave all bounds."""
-    state, trace = _solved(problem, watch)
+    solve = partial(_solved, watch=watch)
+    ratios: Ratios = (None,) * len(problem.drives)
+    (state, trace), ratios = (
+        chosen_clocks(problem, solve) if clock is Clock.AUTO else (solve(problem), ratios))
     covariance = parameter_covariance(state)
     if mean_radius_kept:
         state, change = _with_mean_radius_kept(state)
         covariance = change @ covariance @ change.T
     after = _residual(state)
-    return _result(state, covariance, _before(state, after, watch), after, trace)
+    return replace(
+        _result(state, covariance, _before(state, after, watch), after, trace),
+        drift_ratios=ratios)
 
 
 def _before(state: FitState, after: Residual, watch: Watch) -> Residual:
@@ -156,11 +165,9 @@ def _before(state: FitState, after: Residual, watch: Watch) -> Residual:
 
 def _solved(problem: Problem, watch: Watch) -> Tuple[FitState, List[Iteration]]:
     """Alternate between parameters, variances and weights until nothing changes."""
+    refuse_unidentified(course_state(problem), course=True)
     windows = sum(len(each.start) for each in problem.windows)
-    course = problem.as_the_wheels_tell()
     state = FitState.at(problem, problem.initial(), np.ones(windows), START_VARIANCES)
-    refuse_unidentified(
-        FitState.at(course, course.initial(), state.weights, state.variances), course=True)
     trace = []
     for number in range(ALTERNATING):
         state = _reweighted(state, coarse=number < COARSE)

@@ -15,7 +15,7 @@
 """What a trajectory fit finds, and how well it is known."""
 
 from dataclasses import dataclass, replace
-from typing import NamedTuple, Tuple
+from typing import NamedTuple, Optional, Tuple
 
 from diffdrive_kinematics.core.calibration.calibration_parameters import (
     CalibrationParameters, FRAME, NAMES, WHEELS)
@@ -85,6 +85,9 @@ class TrajectoryFit:
         How many windows were fitted, had an end in a gap, or (of those fitted) count nothing.
     trace : tuple of Iteration
         The steps of the search; weights and variances change with each of the first ones.
+    drift_ratios : tuple of float or None
+        Likelihood ratio of the drift of each drive's clock (see :func:`.drift_pays`); None
+        where none was tried.
 
     Examples
     --------
@@ -120,6 +123,7 @@ class TrajectoryFit:
     in_gaps: int
     outliers: int
     trace: Tuple[Iteration, ...]
+    drift_ratios: Tuple[Optional[float], ...] = ()
 
     @property
     def frame(self) -> Pose:

@@ -92,9 +92,9 @@ CALIBRATE = (
     string('reference_type', 'odometry', 'of the reference topic: odometry (Odometry) or pose '
            '(PoseStamped); bags know theirs', check_one_of('odometry', 'pose')),
     string('clock', '', 'what is fitted of the time between wheels and reference: none, delay '
-           '(one for all), offsets or drifts (of each drive); empty: delay for commands, '
-           'offsets for other files, none for topics',
-           check_one_of('', 'none', 'delay', 'offsets', 'drifts')),
+           '(one for all), offsets or drifts (of each drive), auto (an offset for each drive, and '
+           'a drift where it pays); empty: delay for commands, auto for other files, none for '
+           'topics', check_one_of('', 'none', 'delay', 'offsets', 'drifts', 'auto')),
     string('mean_radius', '', 'fit: the mean radius of the wheels too; keep: leave it as it is; '
            'empty: keep for commands, of which a robot covers more or less, else fit',
            check_one_of('', 'fit', 'keep')),
