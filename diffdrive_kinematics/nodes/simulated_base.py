@@ -29,7 +29,7 @@ from diffdrive_kinematics.ros.messages.wheel_messages import WheelReader, WheelW
 from diffdrive_kinematics.ros.parameters.from_values import (
     check_sides, check_wiring, wheel_geometry)
 from diffdrive_kinematics.ros.parameters.odometry_from_values import (
-    encoder_bound, initial_odometry, initial_pose)
+    configured_odometry, initial_odometry, initial_pose)
 from diffdrive_kinematics.ros.parameters.tables import SIMULATED_BASE
 from diffdrive_kinematics.ros.publishers.odometry import BeliefCorrection, OdometryPublisher
 from diffdrive_kinematics.ros.publishers.path import PathPublisher
@@ -230,13 +230,9 @@ class SimulatedBase(DiffDriveNode[Config]):
 
     def _configure(self, config: Config) -> None:
         now_ns = self._updated_now()
-        old = self._odometry
-        if (config.geometry, config.timeout_ns, config.slip_variances) != (
-                old.geometry, old.timeout_ns, old.slip_variances):
-            self._odometry = old.configured(
-                config.geometry, config.timeout_ns, now_ns, config.slip_variances)
-        self._odometry = self._odometry._replace(
-            wheels=self._odometry.wheels._replace(max_rate=encoder_bound(config.values)))
+        self._odometry = configured_odometry(
+            self._odometry, config.geometry, config.timeout_ns, config.slip_variances,
+            config.values, now_ns)
         if self._correction:
             self._correction.follow(self._odometry)
         self._out.configure(config.values)

@@ -15,14 +15,16 @@
 """``wheel_noise``: wheel motion in, biased and slipping wheel motion out."""
 
 from dataclasses import dataclass, replace
+import math
 from typing import Any, Mapping
 
+from diffdrive_kinematics.core.noise import draw_session, session_generator
 from diffdrive_kinematics.core.odometry import SlipStream, timeout_from_seconds
 from diffdrive_kinematics.ros.inputs.wheel_watch import WheelWatch
 from diffdrive_kinematics.ros.messages.wheel_joints import wheel_joints
 from diffdrive_kinematics.ros.messages.wheel_messages import WheelReader, WheelWriter
 from diffdrive_kinematics.ros.parameters.from_values import (
-    check_sides, check_wiring, wheel_radii, wheel_slips)
+    check_sides, check_wiring, session_spread, wheel_radii, wheel_slips)
 from diffdrive_kinematics.ros.parameters.tables import WHEEL_NOISE
 from diffdrive_kinematics.ros.runtime.diagnostics import (
     heard_values, quiet, RateSample, stamp_values, Status, unheard)
@@ -45,9 +47,19 @@ def build(values: Mapping[str, Any]) -> Config:
     """Return the configuration of parameter values, or raise ``ValueError``."""
     check_wiring(values, 'input_topic', ('output_topic',))
     check_sides(values)
+    spread = session_spread(values)
+    separation = values['wheel_separation'] * values['wheel_separation_multiplier']
+    if spread.curvature and math.isnan(separation):
+        raise ValueError(
+            f'wheel_separation is nan, expected the distance [m] between the wheels, as '
+            f'session_curvature_stddev is {spread.curvature!r}')
     return Config(
-        SlipStream(wheel_radii(values), *wheel_slips(values),
-                   timeout_from_seconds(values['command_timeout'])), values)
+        SlipStream(
+            wheel_radii(values), *wheel_slips(values),
+            timeout_from_seconds(values['command_timeout']),
+            separation=0.0 if math.isnan(separation) else separation,
+            session=draw_session(spread, session_generator(values['seed'])) if spread else None),
+        values)
 
 
 class WheelNoise(DiffDriveNode[Config]):
@@ -97,7 +109,7 @@ class WheelNoise(DiffDriveNode[Config]):
         new = config.stream
         self._stream = replace(
             self._stream, radii=new.radii, left_slip=new.left_slip, right_slip=new.right_slip,
-            timeout_ns=new.timeout_ns)
+            timeout_ns=new.timeout_ns, session=new.session, separation=new.separation)
         if config.values['seed'] != self._seed:
             self._seed = config.values['seed']
             self._generator = np.random.default_rng(self._seed)

@@ -21,7 +21,6 @@ the rate just asked for, times what the interval just past made of its travel.
 """
 
 from dataclasses import dataclass, replace
-import math
 from typing import Optional, Tuple
 
 from diffdrive_kinematics.core.kinematics import RunningSum
@@ -59,7 +58,7 @@ class SlipStream:
     session : SessionError or None
         What this run has from its start to its end; bias and slip come on top.
     separation : float
-        Distance of the wheels [m], which only a session asks for.
+        Distance of the wheels [m], which only the curvature of a session asks for.
 
     Examples
     --------
@@ -84,7 +83,7 @@ class SlipStream:
     left: RunningSum = RunningSum(0.0)
     right: RunningSum = RunningSum(0.0)
     session: Optional[SessionError] = None
-    separation: float = math.nan
+    separation: float = 0.0
 
     def apply(
             self, sample: WheelSample, generator: 'np.random.Generator'

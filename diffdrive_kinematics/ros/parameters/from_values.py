@@ -19,12 +19,12 @@ from typing import Any, List, Mapping, Sequence, Tuple
 
 from diffdrive_kinematics.core.commands import AxisLimits
 from diffdrive_kinematics.core.kinematics import Command, WheelGeometry
-from diffdrive_kinematics.core.noise import WheelSlip
+from diffdrive_kinematics.core.noise import SessionSpread, WheelSlip
 from diffdrive_kinematics.ros.parameters.tables import LIMITS, SWITCHES
 
 __all__ = [
-    'axis_limits', 'check_sides', 'check_wiring', 'commands_from', 'wheel_geometry',
-    'wheel_radii', 'wheel_slips']
+    'axis_limits', 'check_sides', 'check_wiring', 'commands_from', 'session_spread',
+    'wheel_geometry', 'wheel_radii', 'wheel_slips']
 
 Values = Mapping[str, Any]
 
@@ -53,6 +53,12 @@ def wheel_slips(values: Values) -> Tuple[WheelSlip, WheelSlip]:
                   values.get('slip_model', 'travel'), values['slip_distribution'])
         for side in ('left', 'right'))
     return left, right
+
+
+def session_spread(values: Values) -> SessionSpread:
+    """Return the standard deviations, between runs, of what lasts a run."""
+    return SessionSpread(*(
+        values[f'session_{name}_stddev'] for name in ('scale', 'separation', 'curvature')))
 
 
 def commands_from(numbers: Sequence[float]) -> List[Command]:

@@ -17,7 +17,8 @@
 import math
 
 from diffdrive_kinematics.core.kinematics import check_non_negative, check_positive
-from diffdrive_kinematics.core.noise import check_distribution, DISTRIBUTIONS
+from diffdrive_kinematics.core.noise import (
+    check_distribution, check_session_fraction, DISTRIBUTIONS)
 from diffdrive_kinematics.ros.parameters.parameter_checks import (
     check_bias, check_concentration, check_gear_ratio, check_joint_names, check_one_of,
     check_pose, check_radius_multiplier, check_range, check_rate_or_off)
@@ -73,6 +74,13 @@ SLIP = (
          check=check_non_negative),
     Spec('right_slip_variance', 0.0, 'k [m] of the right wheel: Var[travel error] = k |travel|',
          check=check_non_negative))
+SESSION = (
+    Spec('session_scale_stddev', 0.0, 'standard deviation, between runs, of a fraction by which '
+         'all travel of a run is longer, 0 to 0.1', check=check_session_fraction),
+    Spec('session_separation_stddev', 0.0, 'the same of a fraction by which the separation is '
+         'larger, 0 to 0.1', check=check_session_fraction),
+    Spec('session_curvature_stddev', 0.0, 'the same of a heading gained per metre of travel '
+         '[rad/m]', check=check_non_negative))
 DISTRIBUTION = Spec(
     'slip_distribution', 'gaussian', 'of the slip, all with the variance that is set: '
     + ', '.join(DISTRIBUTIONS), Kind.STRING, check_distribution)

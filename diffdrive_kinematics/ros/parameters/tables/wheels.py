@@ -25,20 +25,25 @@ from diffdrive_kinematics.ros.parameters.parameter_checks import (
 from diffdrive_kinematics.ros.parameters.parameter_spec import (
     Kind, ParameterSpec as Spec, string, topic)
 from diffdrive_kinematics.ros.parameters.tables.shared import (
-    BIAS, DIAGNOSTICS, DISTRIBUTION, ENCODER_RANGE, EXECUTOR, GEOMETRY, JOINTS, RADII, SLIP, START)
+    BIAS, DIAGNOSTICS, DISTRIBUTION, ENCODER_RANGE, EXECUTOR, GEOMETRY, JOINTS, RADII, SEPARATION,
+    SESSION, SLIP, START)
 
 WHEEL_NOISE = (
     *RADII, *JOINTS,
+    replace(SEPARATION[0], description='distance L between left and right wheels [m], above 0; '
+            'only session_curvature_stddev asks for it', check=check_positive_or_nan,
+            required=False), SEPARATION[1],
     topic('input_topic', 'wheel_rates', 'nominal wheel motion in'),
     topic('output_topic', 'noisy_wheel_rates', 'effective wheel motion out'),
     ENCODER_RANGE,
-    *BIAS, *SLIP,
+    *BIAS, *SLIP, *SESSION,
     Spec('slip_model', 'travel', "'travel': variance grows with distance, whatever the message "
          "rate; 'command': sigma is in proportion to the rate, drawn once a message, "
          '*_slip_variance is its squared fraction [1], and the statistics depend on the message '
          'rate', Kind.STRING, check_slip_model),
     DISTRIBUTION,
-    Spec('seed', 0, 'of the random generator, 0 or above; setting another one starts anew',
+    Spec('seed', 0, 'of the random generator, 0 or above; setting another one starts anew, with '
+         'another session',
          Kind.INTEGER, check_seed),
     Spec('command_timeout', 0.5, 'silence [s] over which rates are held at most; as in '
          'simulated_base; 0: any', check=check_duration),
@@ -85,7 +90,7 @@ SIMULATED_BASE = (
            'the namespace of the node', check_prefix),
     string('odom_frame_id', 'odom', 'fixed frame of the odometry', check_frame),
     string('base_frame_id', 'base_link', 'frame of the robot', check_frame),
-    *SLIP,
+    *SLIP, *SESSION,
     Spec('slip_model', 'travel', 'as in wheel_noise; the variances of command are none per metre '
          'and are not counted here', Kind.STRING, check_slip_model),
     Spec('covariance_floor', 1e-9, 'added to every variance that is published, so that none is '

@@ -1,0 +1,179 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""What lasts a run, through the nodes: the truth has it, and the belief counts it."""
+
+from functools import reduce
+import math
+
+from diffdrive_kinematics.core.kinematics import (
+    advance, Command, Pose, pose_change_from_travel, WheelGeometry, wrap_angle)
+from diffdrive_kinematics.core.noise import (
+    draw_session, sample_paths, session_generator, SessionSpread, travel_in_session,
+    travel_of_command, WheelSlip)
+from diffdrive_kinematics.nodes.simulated_base import SimulatedBase
+from diffdrive_kinematics.nodes.wheel_noise import WheelNoise
+from nav_msgs.msg import Odometry
+import numpy as np
+import pytest
+from rclpy.parameter import Parameter
+from sensor_msgs.msg import JointState
+from std_msgs.msg import Empty
+from std_srvs.srv import Trigger
+from support.graph import KHEPERA, set_stamp
+from support.inside import inside
+
+PLANAR = np.ix_([0, 1, 5], [0, 1, 5])
+JOINTS = ['left_wheel_joint', 'right_wheel_joint']
+GEOMETRY = WheelGeometry(KHEPERA['wheel_separation'], KHEPERA['wheel_radius'])
+SPREAD = SessionSpread(scale=0.01, separation=0.03, curvature=0.01)
+SESSION = {f'session_{name}_stddev': getattr(SPREAD, name) for name in (
+    'scale', 'separation', 'curvature')}
+COURSE = [Command(0.4, 0.0, 5.0), Command(0.2, 0.2, 5.0), Command(0.0, -1.0, 1.0),
+          Command(0.4, 0.0, 2.5)]
+FLOOR = 1e-9
+
+
+def params_file(path, noise, belief):
+    """Write the parameters of a robot with a true run beside it."""
+    sections = {
+        '/**': {
+            **KHEPERA, 'clock_step': 0.1, 'real_time_factor': 0.0, 'publish_rate': 10.0,
+            'enable_odom_tf': False, 'joint_states_topic': "''", 'nodes': [
+                'command_sequence', 'diff_drive_controller', 'wheel_noise', 'simulated_base',
+                'simulated_base:truth']},
+        '/command_sequence': {
+            'commands': [
+                number for each in COURSE for number in (each.v, each.w, each.duration)]
+            + [0.0, 0.0, 2.0],
+            'wait_for_topics': ['odom', 'go']},
+        '/wheel_noise': noise, '/simulated_base': belief,
+        '/truth': {'wheel_motion_topic': 'noisy_wheel_rates', 'odom_topic': 'ground_truth',
+                   'odom_frame_id': 'map'}}
+    path.write_text('\n'.join(
+        f'{node}:\n  ros__parameters:\n' + '\n'.join(
+            f'    {name}: {str(value).lower() if isinstance(value, bool) else value}'
+            for name, value in values.items()) for node, values in sections.items() if values))
+    return str(path)
+
+
+def ends(graph, tmp_path, noise, belief):
+    """Drive the course; return the last odometry of the belief and of the truth."""
+    last = {}
+    for topic in ('odom', 'ground_truth'):
+        graph.collect(Odometry, topic, lambda message, topic=topic: last.update({topic: message}))
+    go = graph.publisher(Empty, 'go', listeners=0)
+    sim = graph.start('diffdrive_sim', args=[
+        '--ros-args', '--params-file', params_file(tmp_path / 'session.yaml', noise, belief)])
+    graph.wait_for(lambda: len(last) == 2 or not sim.running, 'odometry of both')
+    graph.play_out(sim, go)
+    still = graph.wait_for(lambda: not any(
+        message.twist.twist.linear.x for message in last.values()) and last, 'the end')
+    return still['odom'], still['ground_truth']
+
+
+def planar(message):
+    pose = message.pose.pose
+    yaw = 2.0 * math.atan2(pose.orientation.z, pose.orientation.w)
+    return np.array([pose.position.x, pose.position.y, yaw])
+
+
+def covariance(message):
+    """Return that of x, y and yaw, without the floor."""
+    return np.reshape(message.pose.covariance, (6, 6))[PLANAR] - FLOOR * np.eye(3)
+
+
+def test_the_truth_drives_off_by_exactly_what_its_seed_has_drawn(graph, tmp_path):
+    _, truth = ends(graph, tmp_path, {**SESSION, 'seed': 5}, {})
+    error = draw_session(SPREAD, session_generator(5))
+    expected = reduce(lambda pose, command: advance(pose, *pose_change_from_travel(
+        GEOMETRY, *travel_in_session(
+            error, GEOMETRY.separation, *travel_of_command(command, GEOMETRY)))),
+        COURSE, Pose(0.0, 0.0, 0.0))
+    off = planar(truth) - np.array(expected)
+    assert [*off[:2], wrap_angle(off[2])] == pytest.approx([0.0] * 3, abs=1e-9)
+    plain = reduce(lambda pose, command: advance(pose, *pose_change_from_travel(
+        GEOMETRY, *travel_of_command(command, GEOMETRY))), COURSE, Pose(0.0, 0.0, 0.0))
+    assert math.hypot(*(planar(truth) - np.array(plain))[:2]) > 0.01
+
+
+def test_the_belief_publishes_the_covariance_of_20000_sampled_runs(graph, tmp_path):
+    k = 1e-6
+    odometry, _ = ends(graph, tmp_path, {}, {
+        **SESSION, 'left_slip_variance': k, 'right_slip_variance': k})
+    slip = WheelSlip(variance=k)
+    steps = [Command(each.v, each.w, 0.1) for each in COURSE
+             for _ in range(round(10 * each.duration))]
+    paths = sample_paths(
+        Pose(0.0, 0.0, 0.0), steps, GEOMETRY, slip, slip, n=20_000, seed=1, session=SPREAD)
+    error = np.array([column[-1] for column in paths]) - planar(odometry)[:, None]
+    error[2] = wrap_angle(error[2])
+    expected = error @ error.T / 20_000
+    published, scale = covariance(odometry), np.sqrt(np.diag(expected))
+    assert np.all(np.abs(published - expected) < 0.05 * np.outer(scale, scale))
+    assert np.diag(published) == pytest.approx(np.diag(expected), rel=0.05)
+
+
+def drive(held, topic, seconds, rates=(4.0, 5.0)):
+    """Let the wheels turn from now on, and the time go on."""
+    for _ in range(round(10 * seconds)):
+        now_ns = held.clock.now_ns()
+        message = JointState(name=JOINTS, velocity=list(rates))
+        set_stamp(message, now_ns)
+        held.hear(topic, message)
+        held.advance_to(now_ns + 100_000_000)
+
+
+def test_a_reset_base_knows_its_pose_again_and_its_session_goes_on():
+    with inside(SimulatedBase, {**KHEPERA, **SESSION, 'enable_odom_tf': False}) as held:
+        drive(held, '/wheel_rates', 1.0)
+        driven = covariance(held.said['/odom'][-1])
+        assert np.all(np.diag(driven) > 0.0)
+        held.node._on_reset(Trigger.Request(), Trigger.Response())
+        held.advance_to(held.clock.now_ns() + 20_000_000)
+        assert covariance(held.said['/odom'][-1]) == pytest.approx(np.zeros((3, 3)), abs=1e-15)
+
+
+def test_a_spread_that_is_set_while_it_drives_counts_from_then_on():
+    with inside(SimulatedBase, {**KHEPERA, 'enable_odom_tf': False}) as held:
+        drive(held, '/wheel_rates', 1.0)
+        assert covariance(held.said['/odom'][-1]) == pytest.approx(np.zeros((3, 3)), abs=1e-15)
+        held.node.set_parameters([Parameter('session_curvature_stddev', value=0.5)])
+        drive(held, '/wheel_rates', 2.0)
+        metres = 2.0 * 4.5 * KHEPERA['wheel_radius']
+        assert math.sqrt(covariance(held.said['/odom'][-1])[2, 2]) == pytest.approx(
+            0.5 * metres, rel=0.1)
+
+
+def test_another_seed_is_another_session_and_another_spread_the_same_one():
+    settings = {**KHEPERA, 'session_scale_stddev': 0.01, 'seed': 3}
+    with inside(WheelNoise, settings) as held:
+        def ratio():
+            drive(held, '/wheel_rates', 0.5)
+            return held.said['/noisy_wheel_rates'][-1].velocity[0] / 4.0 - 1.0
+
+        first = ratio()
+        assert first == pytest.approx(
+            draw_session(SessionSpread(scale=0.01), session_generator(3)).scale, rel=1e-9)
+        held.node.set_parameters([Parameter('session_scale_stddev', value=0.02)])
+        assert ratio() == pytest.approx(2.0 * first, rel=1e-9)
+        held.node.set_parameters([Parameter('seed', value=4)])
+        assert ratio() == pytest.approx(
+            draw_session(SessionSpread(scale=0.02), session_generator(4)).scale, rel=1e-9)
+
+
+def test_a_curvature_asks_for_the_separation(graph):
+    noise = graph.start('wheel_noise', {'wheel_radius': 0.02, 'session_curvature_stddev': 0.01})
+    assert noise.wait() == 2
+    assert 'wheel_separation is nan, expected the distance' in noise.output
