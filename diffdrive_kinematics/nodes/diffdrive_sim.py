@@ -18,7 +18,7 @@ from dataclasses import dataclass
 from importlib import import_module
 import sys
 import time
-from typing import Any, Dict, List, Mapping, Optional, Tuple, Type, TYPE_CHECKING
+from typing import Any, Dict, List, Mapping, Tuple, Type, TYPE_CHECKING
 
 from diffdrive_kinematics.ros.parameters.configuration_error import ConfigurationError
 from diffdrive_kinematics.ros.parameters.members import Member, members_of
@@ -30,8 +30,10 @@ from diffdrive_kinematics.ros.runtime.in_flight_messages import InFlightMessages
 from diffdrive_kinematics.ros.runtime.node import DiffDriveNode
 from diffdrive_kinematics.ros.runtime.output import exit_status, report, show
 from diffdrive_kinematics.ros.runtime.running import finish, make_executor, spin, Stop
-from diffdrive_kinematics.tools.bag_recorder import BagRecorder, CannotRecord
-from diffdrive_kinematics.tools.drift_table import drift_table, progress_line, Robot
+from diffdrive_kinematics.tools.drift_table import drift_table, pose_line, progress_line
+from diffdrive_kinematics.tools.keeping import Keeping
+from diffdrive_kinematics.tools.progress import LiveLine
+from diffdrive_kinematics.tools.robots import moments_of, Robot, robots_of
 from rclpy.logging import get_logger
 
 if TYPE_CHECKING:
@@ -98,21 +100,23 @@ class DiffDriveSim(DiffDriveNode[Config]):
         self._courses: List[DiffDriveNode] = [*self._sequences, *(
             node for node in self._of('goal_steering') if node.config.goals)]
         self._shown = -1
+        self.keeping = Keeping(
+            lambda: moments_of(self._bases(), self._now_ns()), self._now_ns)
+        self._live = LiveLine()
         self._rest_by_ns = 0
+        self._began_s = self._now_ns() / 1e9
 
     def _of(self, *kinds: str) -> List[Any]:
         return [node for node, member in zip(self.members, self.config.members)
                 if member.kind in kinds]
 
-    def recorder(self) -> Optional[BagRecorder]:
-        """Return what records the nodes from now on, where they are to be recorded."""
-        if not self.parameters.values['record']:
-            return None
-        recorder = BagRecorder(self.parameters.values['record'])
-        recorder.watch(self.publishers, self.members[0].runtime.now_ns)
-        for member in self.members:
-            recorder.watch(member.publishers, member.runtime.now_ns)
-        return recorder
+    def keep(self) -> None:
+        """Keep the drive from now on, in what files it is to be kept."""
+        self.keeping.begin(self.parameters.values, [
+            publisher for node in (self, *self.members) for publisher in node.publishers])
+
+    def _now_ns(self) -> int:
+        return self.members[0].runtime.now_ns()
 
     def run(self, stop: Stop) -> None:
         """Run until the sequences are done and the robot rests, or until asked to stop."""
@@ -125,6 +129,7 @@ class DiffDriveSim(DiffDriveNode[Config]):
                 spin(executor, self._steady, self._finished, stop,
                      needs_wakeup=any(node.runtime.needs_wakeup for node in self.members))
         finally:
+            self._live.clear()
             finish(self.members, executor)
 
     def destroy_node(self) -> None:
@@ -142,20 +147,22 @@ class DiffDriveSim(DiffDriveNode[Config]):
         return self.finished() or any(node.begun() for node in self._sequences)
 
     def robots(self) -> List[Robot]:
-        """Return the bases; one that is fed with noise, beside one that is not, is the truth."""
+        """Return the belief and the truth of each robot, as they are now."""
+        return robots_of(self._bases())
+
+    def _bases(self) -> List[Tuple[Any, bool]]:
+        """Return the bases, and whether each is fed with what comes out of a noise node."""
         noisy = {
             node.resolve_topic_name(node.config.values['output_topic'])
             for node in self._of('wheel_noise')}
-        bases = [
+        return [
             (base, base.resolve_topic_name(base.config.values['wheel_motion_topic']) in noisy)
             for base in self._of(*BASES)]
-        with_truth = len({fed for _, fed in bases}) == 2
-        return [
-            Robot(base.get_fully_qualified_name(), 'truth' if fed and with_truth else 'belief',
-                  base.reading().pose, base.mean_error()) for base, fed in bases]
 
     def _finished(self) -> bool:
-        """Show progress, and return whether the course is done and the robot at rest."""
+        """Note and show how far it is; return whether the course is done, the robot at rest."""
+        self.keeping.note()
+        self._live(lambda: pose_line(self._now_ns() / 1e9 - self._began_s, self.robots()))
         if not self._courses:
             return False
         if self._sequences:
@@ -171,6 +178,7 @@ class DiffDriveSim(DiffDriveNode[Config]):
         shown = int(PROGRESS_LINES * course.elapsed_s() / course.length_s)
         if course.begun() and shown != self._shown and shown <= PROGRESS_LINES:
             self._shown = shown
+            self._live.clear()
             show(progress_line(course.elapsed_s(), course.length_s, self.robots()))
 
     def _announce(self) -> None:
@@ -194,13 +202,11 @@ def work(stop: Stop) -> int:
 
 def _work(stop: Stop) -> int:
     sim = DiffDriveSim()
-    recorder = None
     try:
-        recorder = sim.recorder()
+        sim.keep()
         sim.run(stop)
-        if recorder:
-            recorder.close()
-            report(f"recorded {recorder.count} messages in {sim.parameters.values['record']}")
+        for line in sim.keeping.close():
+            report(line)
         if sim.begun():
             report(drift_table(sim.robots()))
             if sim.finished() and sim.clock_driver and not sim.config.real_time_factor:
@@ -208,11 +214,10 @@ def _work(stop: Stop) -> int:
     except Disturbed:
         time.sleep(FAREWELL_S)  # still to be seen, or the other one might never know
         raise
-    except CannotRecord as error:
+    except ValueError as error:
         raise ConfigurationError(str(error)) from error
     finally:
-        if recorder:
-            recorder.discard()
+        sim.keeping.discard()
         sim.destroy_node()
     return exit_status()
 

@@ -30,14 +30,10 @@ from diffdrive_kinematics.ros.parameters.tables import PLOT_PATHS
 from diffdrive_kinematics.ros.runtime.node import DiffDriveNode
 from diffdrive_kinematics.ros.runtime.output import exit_status, report
 from diffdrive_kinematics.ros.runtime.running import run, Stop
-from diffdrive_kinematics.tools.drawing import drawn, Picture
+from diffdrive_kinematics.tools.drawing import drawn, MISSING, Picture
 from diffdrive_kinematics.tools.model_paths import model_config, model_pictures, ModelConfig
 from diffdrive_kinematics.tools.output_files import check_writable, write_files
 import numpy as np
-
-MISSING = (
-    "plot_paths needs matplotlib, which is missing: pip install '.[plot]' or "
-    'apt install python3-matplotlib')
 
 
 @dataclass(frozen=True)
@@ -151,7 +147,7 @@ def work(_: Stop) -> int:
         picture = drawn(_pictures(node.config), file.rpartition('.')[2])
         write_files({file: picture}, overwrite=overwrite)
     except ImportError as error:
-        raise ConfigurationError(f'{MISSING} ({error})') from error
+        raise ConfigurationError(f'plot_paths needs {MISSING} ({error})') from error
     except ValueError as error:
         raise ConfigurationError(str(error)) from error
     finally:

@@ -15,10 +15,10 @@
 """``simulated_base``: wheel motion in, odometry, joint states and tf out."""
 
 from dataclasses import dataclass
-from typing import Any, Mapping, Optional, Tuple
+from typing import Any, Mapping, Optional
 
 from diffdrive_kinematics.core.kinematics import WheelGeometry
-from diffdrive_kinematics.core.noise import NO_COVARIANCE
+from diffdrive_kinematics.core.noise import NO_COVARIANCE, PoseMoments
 import diffdrive_kinematics.core.odometry as core
 from diffdrive_kinematics.core.odometry import Encoder, timeout_from_seconds, Verdict, WheelPair
 from diffdrive_kinematics.ros.inputs.driver_watch import DriverWatch
@@ -124,10 +124,9 @@ class SimulatedBase(DiffDriveNode[Config]):
         """Return the base as it is now."""
         return self._odometry.predict(self._updated_now())
 
-    def mean_error(self) -> Optional[Tuple[float, float]]:
-        """Return the mean error of x and y [m] that slip makes of the pose; None: it is known."""
-        error = self._odometry.moments_at(self._updated_now()).mean_error
-        return (error.real, error.imag) if error else None
+    def moments(self) -> PoseMoments:
+        """Return what is known of the error of the pose now."""
+        return self._odometry.moments_at(self._updated_now())
 
     def _on_wheels(self, message: bytes, info: MessageInfo) -> None:
         now_ns = self._synchronised_now()

@@ -15,8 +15,8 @@
 """
 Writes what nodes publish into an .mcap file of rosbag2, for Foxglove, PlotJuggler and calibrate.
 
-The file is written in a directory beside its place and moved there when it is complete; it never
-replaces another one.  ``rosbags`` writes it, or ``rosbag2_py`` on a ROS machine without it.
+The file is written in a directory beside its place and moved there when it is complete.
+``rosbags`` writes it, or ``rosbag2_py`` on a ROS machine without it.
 """
 
 from contextlib import suppress
@@ -37,7 +37,7 @@ __all__ = ['BagRecorder', 'CannotRecord']
 NOT_OURS = ('/rosout', '/parameter_events')
 
 
-class CannotRecord(Exception):
+class CannotRecord(ValueError):
     """A bag cannot be written, and why."""
 
 
@@ -49,6 +49,8 @@ class BagRecorder:
     ----------
     path : str
         Of the file, which ends with ``.mcap``.
+    overwrite : bool
+        Whether a file that is there may be replaced.
 
     Raises
     ------
@@ -57,12 +59,12 @@ class BagRecorder:
 
     """
 
-    def __init__(self, path: str) -> None:
+    def __init__(self, path: str, *, overwrite: bool) -> None:
         try:
-            check_writable(path, name='record', overwrite=False)
+            check_writable(path, name='record', overwrite=overwrite)
         except ValueError as error:
             raise CannotRecord(str(error)) from error
-        self._path, self._failed = path, ''
+        self._path, self._overwrite, self._failed = path, overwrite, ''
         target = Path(os.path.realpath(path))
         self._directory = target.with_name(f'.part-{secrets.token_hex(6)}')
         self._writer: Any = _writer(str(self._directory))
@@ -92,19 +94,20 @@ class BagRecorder:
 
         return recorded
 
-    def close(self) -> None:
-        """Complete the file and move it to its place; ``CannotRecord`` if that cannot be."""
+    def close(self) -> str:
+        """Complete the file and return a line that says so; ``CannotRecord`` if it cannot be."""
         try:
             if self._failed:
                 raise OSError(self._failed)
             self._writer.close()
             written, = self._directory.glob('*.mcap')
-            place(str(written), self._path, overwrite=False)
+            place(str(written), self._path, overwrite=self._overwrite)
         except (OSError, RuntimeError, ValueError) as error:
             raise CannotRecord(
                 f'record is {self._path!r}, which cannot be written: {error}') from error
         finally:
             self.discard()
+        return f'recorded {self.count} messages in {self._path}'
 
     def discard(self) -> None:
         """Leave nothing of a file that is not complete."""

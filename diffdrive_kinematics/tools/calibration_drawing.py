@@ -14,13 +14,13 @@
 
 """The picture of a calibration: return errors as UMBmark draws them, or errors over time."""
 
-import io
 from typing import Any, List, Sequence, Tuple
 
 from diffdrive_kinematics.core.calibration import (
     linearised, RecordedDrive, ReturnError, TrajectoryFit, Umbmark, windows_between)
 from diffdrive_kinematics.core.kinematics import WheelGeometry
 from diffdrive_kinematics.tools.calibration import Calibration
+from diffdrive_kinematics.tools.drawing import file_of, new_figure
 import numpy as np
 
 __all__ = ['picture_of']
@@ -39,15 +39,12 @@ def picture_of(calibration: Calibration, suffix: str) -> bytes:
         If matplotlib is missing.
 
     """
-    from matplotlib.figure import Figure
-    figure = Figure(figsize=(9.0, 6.0), layout='constrained')
+    figure = new_figure(figsize=(9.0, 6.0))
     if isinstance(calibration.source[0], Umbmark):
         _draw_returns(figure, *calibration.source)
     else:
         _draw_windows(figure, *calibration.source)
-    file = io.BytesIO()
-    figure.savefig(file, format=suffix, dpi=150)
-    return file.getvalue()
+    return file_of(figure, suffix)
 
 
 def _draw_returns(

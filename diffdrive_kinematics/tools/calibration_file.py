@@ -17,6 +17,7 @@
 from typing import Any, Dict, List, Mapping
 
 from diffdrive_kinematics.tools.calibration import Calibration, MULTIPLIERS
+from diffdrive_kinematics.tools.drawing import MISSING
 
 __all__ = ['params_text', 'rendered']
 
@@ -33,9 +34,6 @@ ROBOT = """\
 STAY = """\
 # The next calibration starts from this one."""
 NODES = 'diff_drive_controller', 'wheel_odometry', 'simulated_base'
-MISSING = (
-    "picture needs matplotlib, which is missing: pip install '.[plot]' or "
-    'apt install python3-matplotlib')
 NO_SLIP_M = 1e-12
 """Slip variance [m] of runs that do not scatter at all."""
 
@@ -57,7 +55,7 @@ def rendered(calibration: Calibration, values: Mapping[str, Any]) -> Dict[str, b
         try:
             files[picture] = picture_of(calibration, picture.rpartition('.')[2])
         except ImportError as error:
-            raise ValueError(f'{MISSING} ({error})') from error
+            raise ValueError(f'picture needs {MISSING} ({error})') from error
     return files
 
 

@@ -184,6 +184,7 @@ def _read_motion(path: str, reference: str, progress: Progress) -> _Motion:
 def _kind_of(path: str, header: Header) -> str:
     """Return which kind of motion a file has; ``ValueError`` where that is not clear."""
     found = [kind for kind, columns in MOTIONS.items() if set(columns) <= set(header)]
+    found = [kind for kind in found if kind != COMMANDS] or found  # wheels tell more
     if len(found) != 1:
         raise ValueError(
             f'{path} has the columns {list(header)!r}, expected those of one kind of motion: '

@@ -22,7 +22,11 @@ from diffdrive_kinematics.core.noise import PoseCovariance
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ['Picture', 'drawn', 'ellipse']
+__all__ = ['MISSING', 'Picture', 'drawn', 'ellipse', 'file_of', 'new_figure']
+
+MISSING = (
+    "matplotlib, which is missing: pip install '.[plot]' or apt install python3-matplotlib")
+"""What a picture needs, where :func:`new_figure` finds it not."""
 
 CHI_SQUARE_95 = 5.991
 """What holds 95 % of a chi-square with 2 degrees of freedom."""
@@ -68,8 +72,7 @@ def drawn(pictures: Sequence[Picture], suffix: str) -> bytes:
         If matplotlib is missing.
 
     """
-    from matplotlib.figure import Figure
-    figure = Figure(figsize=_size(pictures), layout='constrained')
+    figure = new_figure(figsize=_size(pictures))
     shared = figure.subplots(1, len(pictures), sharex=True, sharey=True, squeeze=False)[0]
     for axes, picture in zip(shared, pictures):
         _draw_into(axes, picture)
@@ -80,6 +83,17 @@ def drawn(pictures: Sequence[Picture], suffix: str) -> bytes:
     shared[0].set_ylabel('y [m]')
     figure.legend(*shared[0].get_legend_handles_labels(), loc='outside lower center', ncols=2,
                   fontsize='small', frameon=False)
+    return file_of(figure, suffix)
+
+
+def new_figure(*, figsize: Tuple[float, float]) -> Any:
+    """Return a figure of matplotlib of a size [inch]; ``ImportError`` where that is missing."""
+    from matplotlib.figure import Figure
+    return Figure(figsize=figsize, layout='constrained')
+
+
+def file_of(figure: Any, suffix: str) -> bytes:
+    """Return a figure as the bytes of a ``png`` or ``svg`` file."""
     file = io.BytesIO()
     figure.savefig(file, format=suffix, dpi=150)
     return file.getvalue()

@@ -15,20 +15,12 @@
 """What ``diffdrive_sim`` shows: progress, and where the robot believes to be and where it is."""
 
 import math
-from typing import Dict, List, NamedTuple, Optional, Tuple
+from typing import Dict, List, Tuple
 
 from diffdrive_kinematics.core.kinematics import Pose, wrap_angle
+from diffdrive_kinematics.tools.robots import Robot
 
-__all__ = ['Robot', 'drift', 'drift_table', 'progress_line']
-
-
-class Robot(NamedTuple):
-    """A base for the table: its name, what it stands for, its pose, and how far that is off."""
-
-    name: str
-    role: str
-    pose: Pose
-    mean_error: Optional[Tuple[float, float]] = None  # of x and y [m], where the wheels slip
+__all__ = ['drift', 'drift_table', 'pose_line', 'progress_line']
 
 
 def drift(belief: Pose, truth: Pose) -> Tuple[float, float]:
@@ -39,8 +31,12 @@ def drift(belief: Pose, truth: Pose) -> Tuple[float, float]:
 
 def progress_line(elapsed: float, length: float, robots: List[Robot]) -> str:
     """Return a line of progress [s] with the poses."""
-    poses = '   '.join(f'{robot.role} {_short(robot.pose)}' for robot in robots)
-    return f'{elapsed:7.1f} of {length:.1f} s   {poses}'
+    return f'{elapsed:7.1f} of {length:.1f} s   {_poses(robots)}'
+
+
+def pose_line(elapsed: float, robots: List[Robot]) -> str:
+    """Return a line of a time [s] with the poses."""
+    return f'{elapsed:7.1f} s   {_poses(robots)}'
 
 
 def drift_table(robots: List[Robot]) -> str:
@@ -64,6 +60,10 @@ def drift_table(robots: List[Robot]) -> str:
         + ''.join(f'{_fixed(1000.0 * error, 2)} mm'.rjust(10) for error in robot.mean_error)
         for robot in robots if robot.role == 'belief' and robot.mean_error is not None]
     return '\n'.join(rows)
+
+
+def _poses(robots: List[Robot]) -> str:
+    return '   '.join(f'{robot.role} {_short(robot.pose)}' for robot in robots)
 
 
 def _label(robot: Robot) -> str:

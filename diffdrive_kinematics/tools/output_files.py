@@ -26,9 +26,9 @@ import os
 from pathlib import Path
 import secrets
 import stat
-from typing import Dict, Mapping, Tuple
+from typing import Dict, Mapping, TextIO, Tuple
 
-__all__ = ['check_writable', 'place', 'write_files']
+__all__ = ['GrowingFile', 'check_writable', 'place', 'write_files']
 
 
 def check_writable(path: str, *, name: str = 'output', overwrite: bool) -> None:
@@ -134,6 +134,63 @@ def place(written: str, path: str, *, overwrite: bool) -> None:
             os.chown(written, old.st_uid, old.st_gid)
         os.chmod(written, stat.S_IMODE(old.st_mode))
     os.replace(written, os.path.realpath(path))
+
+
+class GrowingFile:
+    """
+    A text that is written bit by bit beside its place, and put there when it is complete.
+
+    Parameters
+    ----------
+    path : str
+        Where it belongs.
+    name : str
+        Of the parameter that says so.
+    overwrite : bool
+        Whether a file that is there may be replaced.
+
+    Raises
+    ------
+    ValueError
+        If no file can be written there.
+
+    """
+
+    def __init__(self, path: str, *, name: str, overwrite: bool) -> None:
+        check_writable(path, name=name, overwrite=overwrite)
+        self._path, self._overwrite, self._failed = path, overwrite, ''
+        self._part = path if _is_special(path) else _write_beside(path, b'')
+        self._file: TextIO = open(self._part, 'w', encoding='utf-8', newline='')
+
+    def write(self, text: str) -> None:
+        """Add to the text; that it cannot be written is said at the end."""
+        try:
+            if not self._failed:
+                self._file.write(text)
+        except OSError as error:
+            self._failed = str(error)
+
+    def close(self) -> None:
+        """Put the complete text in its place; ``ValueError`` if that cannot be."""
+        try:
+            if self._failed:
+                raise OSError(self._failed)
+            self._file.flush()
+            if self._part != self._path:
+                os.fsync(self._file.fileno())
+                place(self._part, self._path, overwrite=self._overwrite)
+        except OSError as error:
+            raise ValueError(f'{self._path} cannot be written: {error}') from error
+        finally:
+            self.discard()
+
+    def discard(self) -> None:
+        """Leave nothing of a text that is not complete."""
+        with suppress(OSError):
+            self._file.close()
+        if self._part != self._path:
+            with suppress(OSError):
+                os.unlink(self._part)
 
 
 def _is_special(path: str) -> bool:

@@ -12,13 +12,14 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""How far a long work is, on a terminal, in one line that is written over and over."""
+"""How far it is, on a terminal, in one line that is written over and over."""
 
+import shutil
 import sys
 import time
-from typing import Optional, TextIO
+from typing import Callable, Optional, TextIO
 
-__all__ = ['Progress']
+__all__ = ['LiveLine', 'Progress']
 
 PERIOD_S = 0.2
 
@@ -42,10 +43,15 @@ class Progress:
 
     def __call__(self, text: str, *, begins: bool = False) -> None:
         """Say how far it is; more than five times a second is shown only where work begins."""
+        if self._due(begins=begins):
+            self._write(f'\r{text}, {time.monotonic() - self._began:.0f} s\x1b[K')
+
+    def _due(self, *, begins: bool = False) -> bool:
         now = time.monotonic()
-        if self._shown and (begins or now >= self._next):
-            self._next = now + PERIOD_S
-            self._write(f'\r{text}, {now - self._began:.0f} s\x1b[K')
+        if not self._shown or now < self._next and not begins:
+            return False
+        self._next = now + PERIOD_S
+        return True
 
     def __enter__(self) -> 'Progress':
         """Begin."""
@@ -62,3 +68,31 @@ class Progress:
             self._stream.flush()
         except OSError:  # nobody looks
             self._shown = False
+
+
+class LiveLine(Progress):
+    """
+    A line on stdout that is of the moment; none where that is no terminal.
+
+    The cursor stays at its begin, so that the next line of a log is written over it.
+
+    Parameters
+    ----------
+    stream : text file, optional
+        Where to write instead of stdout.
+
+    """
+
+    def __init__(self, stream: Optional[TextIO] = None) -> None:
+        super().__init__(sys.stdout if stream is None else stream)
+
+    def __call__(self, text: Callable[[], str]) -> None:
+        """Show what ``text`` returns, which is called up to five times a second."""
+        if self._due():
+            width = shutil.get_terminal_size().columns - 1
+            self._write(f'{text()[:width]}\x1b[K\r')
+
+    def clear(self) -> None:
+        """Clear the line, for one that stays."""
+        if self._shown:
+            self._write('\x1b[K')

@@ -15,13 +15,18 @@
 """What executables say to the arguments of somebody who meets them for the first time."""
 
 import importlib.util
+import os
+import pty
 import shlex
 import signal
+import subprocess
+import sys
 
+from diffdrive_kinematics.ros.parameters.package_share import share_directory
 from diffdrive_kinematics.ros.parameters.tables import TABLES
 from diffdrive_kinematics.ros.runtime.command_line import example_of
 import pytest
-from support.graph import KHEPERA
+from support.graph import KHEPERA, START
 
 
 def test_the_demo_begins_with_what_it_does_and_ends_with_where_to_go_on(graph):
@@ -55,6 +60,38 @@ def test_a_demo_that_is_interrupted_shows_its_table_of_what_it_has_driven(graph,
     assert '24.0 of 24.0 s' not in demo.output
     row = next(line for line in demo.output.splitlines() if line.startswith('belief (/sim'))
     assert 0.2 < float(row.split()[2]) < 0.4
+
+
+def test_a_terminal_sees_where_the_robot_is_and_a_file_does_not(graph):
+    params = str(share_directory() / 'config' / 'noiseless.yaml')
+    ours, theirs = pty.openpty()
+    shown = subprocess.Popen(
+        [sys.executable, '-c', START.format('diffdrive_sim'), '--ros-args', '--params-file',
+         params], stdin=theirs, stdout=theirs, stderr=subprocess.DEVNULL,
+        env=graph._environment)
+    try:
+        os.set_blocking(ours, False)
+        seen = b''
+
+        def lines():
+            nonlocal seen
+            try:
+                seen += os.read(ours, 10_000)
+            except BlockingIOError:
+                pass
+            return seen.count(b's   belief (  0.000,   0.000,    0.0 deg)\x1b[K\r')
+
+        graph.wait_for(lambda: lines() > 2, 'a line that is written over and over')
+        assert b'\n' not in seen
+    finally:
+        shown.kill()
+        shown.wait()
+        os.close(ours)
+        os.close(theirs)
+    piped = graph.start('diffdrive_sim', args=['--ros-args', '--params-file', params])
+    graph.wait_for(lambda: 'to drive; Ctrl-C ends' in piped.output, 'the robot')
+    assert piped.stop() == 0
+    assert 'belief' not in piped.output and '\r' not in piped.output
 
 
 @pytest.mark.parametrize('args, form', [

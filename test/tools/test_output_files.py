@@ -18,7 +18,7 @@ import os
 from pathlib import Path
 import stat
 
-from diffdrive_kinematics.tools.output_files import check_writable, write_files
+from diffdrive_kinematics.tools.output_files import check_writable, GrowingFile, write_files
 import pytest
 
 
@@ -112,3 +112,40 @@ def test_what_cannot_be_written_is_refused_before_anything_is_done(tmp_path, pat
         check_writable(str(tmp_path / path), name='picture', overwrite=True)
     assert str(error.value).startswith('picture is ')
     assert sorted(each.name for each in Path(tmp_path).iterdir()) == ['file', 'loop']
+
+
+def test_a_growing_text_is_in_its_place_when_it_is_complete_and_not_before(tmp_path):
+    file = tmp_path / 'run.csv'
+    growing = GrowingFile(str(file), name='record', overwrite=False)
+    growing.write('one\n')
+    assert not file.exists()
+    growing.write('two\n')
+    growing.close()
+    assert file.read_text() == 'one\ntwo\n' and [*tmp_path.iterdir()] == [file]
+
+
+def test_a_growing_text_that_is_given_up_leaves_nothing(tmp_path):
+    growing = GrowingFile(str(tmp_path / 'run.csv'), name='record', overwrite=False)
+    growing.write('one\n')
+    growing.discard()
+    assert not [*tmp_path.iterdir()]
+
+
+def test_a_growing_text_replaces_no_file_that_has_come_meanwhile(tmp_path):
+    file = tmp_path / 'run.csv'
+    growing = GrowingFile(str(file), name='record', overwrite=False)
+    file.write_text('mine')
+    with pytest.raises(ValueError, match='come to exist'):
+        growing.close()
+    assert file.read_text() == 'mine' and [*tmp_path.iterdir()] == [file]
+
+
+def test_a_full_disk_is_said_at_the_end_of_a_growing_text(tmp_path):
+    link = tmp_path / 'full.csv'
+    link.symlink_to('/dev/full')
+    growing = GrowingFile(str(link), name='record', overwrite=False)
+    for _ in range(10_000):
+        growing.write('a row\n')
+    with pytest.raises(ValueError, match='No space left'):
+        growing.close()
+    assert link.is_symlink()

@@ -16,7 +16,7 @@
 
 import io
 
-from diffdrive_kinematics.tools.progress import Progress
+from diffdrive_kinematics.tools.progress import LiveLine, Progress
 
 
 class Terminal(io.StringIO):
@@ -40,4 +40,22 @@ def test_what_is_no_terminal_sees_nothing():
     file = io.StringIO()
     with Progress(file) as progress:
         progress('drive.csv: 4096 rows')
+    assert file.getvalue() == ''
+
+
+def test_a_live_line_is_written_over_by_what_comes_next_and_only_asked_for_when_due():
+    terminal, asked = Terminal(), []
+    live = LiveLine(terminal)
+    for number in range(3):
+        live(lambda: asked.append(number) or 'x' * 500)
+    live.clear()
+    assert asked == [0]  # the others came too soon
+    line, = terminal.getvalue().split('\r')[:-1]
+    assert line.rstrip('\x1b[K').count('x') < 500 and '\n' not in terminal.getvalue()
+    assert terminal.getvalue().endswith('\r\x1b[K')
+
+
+def test_a_live_line_is_not_even_worked_out_where_no_terminal_is():
+    file = io.StringIO()
+    LiveLine(file)(lambda: 1 / 0)
     assert file.getvalue() == ''

@@ -109,8 +109,8 @@ def check_optional_picture(name: str, value: str) -> None:
 
 
 def check_recording(name: str, value: str) -> None:
-    if value and not value.endswith('.mcap'):
-        raise ValueError(f'{name} is {value!r}, expected the name of an .mcap file')
+    if value and not value.endswith(('.csv', '.mcap')):
+        raise ValueError(f'{name} is {value!r}, expected the name of an .mcap file or a .csv file')
 
 
 def check_one_of(*known: str) -> Check:

@@ -126,6 +126,10 @@ DIFFDRIVE_SIM = (
          'time', check=check_step, read_only=True),
     Spec('real_time_factor', 0.0, 'pace of the simulated clock; 0: as fast as the nodes can '
          'follow', check=check_non_negative, read_only=True),
-    string('record', '', 'new .mcap file, of what the nodes publish; empty: none',
+    string('record', '', 'file to write: .csv, of belief, truth, wheels and commands of one '
+           'robot 50 times a second, or .mcap, of all that the nodes publish; empty: none',
            check_recording),
+    string('picture', '', 'picture to write of the way that was driven, .png or .svg; empty: '
+           'none', check_optional_picture),
+    OVERWRITE,
     EXECUTOR)

@@ -1,0 +1,78 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""A drive as CSV rows: what ``calibrate`` and ``command_sequence`` read, and plots are made of."""
+
+from typing import Sequence
+
+from diffdrive_kinematics.tools.output_files import GrowingFile
+from diffdrive_kinematics.tools.robots import Moment
+
+__all__ = ['DriveTable']
+
+COLUMNS = (
+    'time_sec', 'left_position', 'right_position', 'linear_x', 'angular_z', 'belief_x',
+    'belief_y', 'belief_yaw')
+TRUTH = 'x', 'y', 'yaw'
+
+
+class DriveTable:
+    """
+    The file of a drive of one robot, with a row for each time.
+
+    The wheels and the twist are those of the belief: of a simulated robot, what was commanded.
+
+    Parameters
+    ----------
+    path : str
+        Of the file.
+    start : sequence of Moment
+        The robots at the start, which must be one; without a truth its columns are left out.
+    overwrite : bool
+        Whether a file that is there may be replaced.
+
+    Raises
+    ------
+    ValueError
+        If there is not one robot, or no file can be written there.
+
+    """
+
+    def __init__(self, path: str, start: Sequence[Moment], *, overwrite: bool) -> None:
+        if len(start) != 1:
+            raise ValueError(
+                f'record is {path!r}, and nodes has {len(start)} robots with odometry, expected '
+                'one robot; an .mcap file is of any number')
+        self._path, self._rows = path, 0
+        self._file = GrowingFile(path, name='record', overwrite=overwrite)
+        self._file.write(','.join(COLUMNS + (TRUTH if start[0].truth else ())) + '\n')
+
+    def note(self, moments: Sequence[Moment]) -> None:
+        """Add a row."""
+        (_, time_ns, belief, _, truth), = moments
+        seconds, nanoseconds = divmod(time_ns, 10**9)
+        self._file.write(','.join([
+            f'{seconds}.{nanoseconds:09d}',
+            *(f'{value:.12g}' for value in (
+                *belief.angles, *belief.twist, *belief.pose, *(truth or ())))]) + '\n')
+        self._rows += 1
+
+    def close(self) -> str:
+        """Complete the file, and return a line that says so; ``ValueError`` if that cannot be."""
+        self._file.close()
+        return f'recorded {self._rows} rows in {self._path}'
+
+    def discard(self) -> None:
+        """Leave nothing of a file that is not complete."""
+        self._file.discard()

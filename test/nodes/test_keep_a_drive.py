@@ -1,0 +1,160 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""A drive that is kept: as a CSV file that others read, and as a picture of the way it went."""
+
+import csv
+import importlib.util
+import math
+import re
+
+from diffdrive_kinematics.core.kinematics import twist_from_wheel_rates, WheelGeometry
+from diffdrive_kinematics.ros.parameters.package_share import share_directory
+import numpy as np
+import pytest
+from support.graph import KHEPERA
+
+CONFIG = share_directory() / 'config'
+FAST = ['--ros-args', '-p', 'real_time_factor:=0.0']
+BIAS = {'left': 0.004, 'right': -0.002}
+MATPLOTLIB = pytest.mark.skipif(
+    importlib.util.find_spec('matplotlib') is None, reason='matplotlib is not installed')
+
+
+def columns_of(file):
+    """Return the columns of a CSV file by their names."""
+    with open(file, newline='') as lines:
+        rows = list(csv.reader(lines))
+    return dict(zip(rows[0], np.array(rows[1:], dtype=float).T))
+
+
+def test_a_drive_is_kept_as_csv_with_belief_truth_wheels_and_commands(graph, tmp_path):
+    run = tmp_path / 'run.csv'
+    sim = graph.start('diffdrive_sim', args=[*FAST, '-p', f'record:={run}'])
+    assert sim.wait() == 0, sim.output
+    assert [file.name for file in tmp_path.iterdir()] == ['run.csv']
+    kept = columns_of(run)
+    assert list(kept) == [
+        'time_sec', 'left_position', 'right_position', 'linear_x', 'angular_z', 'belief_x',
+        'belief_y', 'belief_yaw', 'x', 'y', 'yaw']
+    time = kept['time_sec']
+    assert f'recorded {len(time)} rows in {run}' in sim.output
+    assert np.all(np.diff(time) > 0.0) and np.all(np.diff(time) < 0.021)
+    for role, names in (('belief', 'belief_x belief_y belief_yaw'), ('truth', 'x y yaw')):
+        shown = re.search(rf'^{role} \(\S+\) +(\S+) +(\S+) +(\S+)$', sim.output, re.M).groups()
+        ended = [kept[name][-1] for name in names.split()]
+        assert [float(each) for each in shown] == pytest.approx(
+            [ended[0], ended[1], math.degrees(ended[2])], abs=6e-3)
+    assert set(kept['linear_x'].round(9)) == {0.0, 0.1}
+    turned = np.diff([kept['left_position'], kept['right_position']]) / np.diff(time)
+    geometry = WheelGeometry(KHEPERA['wheel_separation'], KHEPERA['wheel_radius'])
+    v, w = twist_from_wheel_rates(geometry, *turned)
+    assert v == pytest.approx(kept['linear_x'][:-1], abs=1e-6)  # what holds until the next row
+    assert w == pytest.approx(kept['angular_z'][:-1], abs=1e-6)
+
+
+def test_a_kept_drive_calibrates_to_the_bias_of_its_robot_and_plays_again(graph, tmp_path):
+    run = tmp_path / 'run.csv'
+    sim = graph.start('diffdrive_sim', args=[*FAST, '-p', f'record:={run}'])
+    assert sim.wait() == 0, sim.output
+    calibrate = graph.start('calibrate', args=[
+        '--ros-args', '--params-file', str(CONFIG / 'demo.yaml'), '-p', f'recordings:=[{run}]',
+        '-p', f'output:={tmp_path / "found.yaml"}'])
+    assert calibrate.wait() == 0, calibrate.output
+    for side, bias in BIAS.items():
+        value, error = map(float, re.search(
+            rf'{side}_wheel_radius_multiplier +(\S+) +(\S+)', calibrate.output).groups())
+        assert abs(value - 1.0 - bias) < 3.0 * error
+    again = graph.start('diffdrive_sim', args=[
+        '--ros-args', '--params-file', str(CONFIG / 'recording.yaml'), '-p',
+        'wheel_radius:=0.021', '-p', 'wheel_separation:=0.0885', '-p', 'clock_step:=0.01',
+        '-p', f'recording:={run}'])
+    assert again.wait() == 0, again.output
+    belief = re.search(r'^belief \(\S+\) +(\S+) +(\S+) +(\S+)$', again.output, re.M).groups()
+    assert [float(each) for each in belief] == pytest.approx([0.0, 0.0, 0.0], abs=2e-4)
+
+
+def test_a_robot_without_a_truth_is_kept_without_its_columns(graph, tmp_path):
+    run = tmp_path / 'run.csv'
+    sim = graph.start('diffdrive_sim', args=[
+        *FAST, '-p', 'diffdrive_sim:nodes:=[command_sequence, diff_drive_controller, '
+        'simulated_base]', '-p', 'command_sequence:wait_for_topics:=[odom]', '-p',
+        f'record:={run}'])
+    assert sim.wait() == 0, sim.output
+    assert 'belief_x' in columns_of(run) and not {'x', 'y', 'yaw'} & set(columns_of(run))
+
+
+def test_a_csv_file_of_several_robots_is_refused_with_what_keeps_them(graph, tmp_path):
+    sim = graph.start('diffdrive_sim', args=[
+        '--ros-args', '--params-file', str(CONFIG / 'two_robots.yaml'), '-p',
+        f'record:={tmp_path / "run.csv"}'])
+    assert sim.wait() == 2
+    assert 'expected one robot' in sim.output and '.mcap' in sim.output
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize('name', ['run.csv', 'run.mcap', 'run.png'])
+def test_what_is_kept_replaces_no_file_unless_it_is_told_to(graph, tmp_path, name):
+    if name.endswith('.mcap'):
+        pytest.importorskip('rosbags')
+    file = tmp_path / name
+    file.write_text('mine')
+    keep = [*FAST, '-p', f'{"picture" if name.endswith(".png") else "record"}:={file}']
+    sim = graph.start('diffdrive_sim', args=keep)
+    assert sim.wait() == 2 and 'which exists' in sim.output
+    assert file.read_text() == 'mine' and len(list(tmp_path.iterdir())) == 1
+    sim = graph.start('diffdrive_sim', args=[*keep, '-p', 'overwrite:=true'])
+    assert sim.wait() == 0, sim.output
+    assert b'mine' not in file.read_bytes() and len(list(tmp_path.iterdir())) == 1
+
+
+def test_a_drive_in_real_time_that_is_ended_leaves_what_was_kept(graph, tmp_path):
+    run = tmp_path / 'run.csv'
+    sim = graph.start('diffdrive_sim', args=[
+        '--ros-args', '--params-file', str(CONFIG / 'demo.yaml'), '-p', 'clock_step:=0.0', '-p',
+        f'record:={run}'])
+    graph.wait_for(lambda: ' of 24.0 s' in sim.output, 'the course to begin')
+    assert sim.stop() == 0, sim.output
+    assert len(columns_of(run)['time_sec']) > 1
+
+
+@MATPLOTLIB
+@pytest.mark.parametrize(('name', 'begins'), [('a.png', b'\x89PNG'), ('a.svg', b'<?xml')])
+def test_the_way_of_a_drive_is_drawn_at_its_end(graph, tmp_path, name, begins):
+    sim = graph.start('diffdrive_sim', args=[*FAST, '-p', f'picture:={tmp_path / name}'])
+    assert sim.wait() == 0, sim.output
+    assert (tmp_path / name).read_bytes().startswith(begins)
+    assert f'wrote {tmp_path / name}' in sim.output and '[WARN]' not in sim.output
+
+
+def test_a_picture_without_matplotlib_is_refused_before_the_drive(graph, tmp_path):
+    (tmp_path / 'matplotlib').mkdir()
+    (tmp_path / 'matplotlib' / '__init__.py').write_text('raise ImportError("not here")')
+    source = share_directory()
+    sim = graph.start(
+        'diffdrive_sim', args=[*FAST, '-p', f'picture:={tmp_path / "a.png"}'], cwd=tmp_path,
+        environment={'PYTHONPATH': f'{tmp_path}:{source}'})
+    assert sim.wait() == 2, sim.output
+    assert "pip install '.[plot]'" in sim.output and 'Traceback' not in sim.output
+    assert 'of 24.0 s' not in sim.output and not (tmp_path / 'a.png').exists()
+
+
+def test_keeping_a_drive_changes_nothing_of_it(graph, tmp_path):
+    tables = []
+    for keep in ([], ['-p', f'record:={tmp_path / "run.csv"}']):
+        sim = graph.start('diffdrive_sim', args=[*FAST, *keep])
+        assert sim.wait() == 0, sim.output
+        tables.append(sim.output[sim.output.index('x [m]'):sim.output.index('times real time')])
+        tables[-1] = tables[-1].rpartition('\n')[0]
+    assert tables[0] == tables[1]
