@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""How Sphinx makes the documentation: `sphinx-build -W docs build/docs`."""
+"""How Sphinx and rosdoc2 make the documentation: `sphinx-build -W docs build/docs`."""
 
 from pathlib import Path
 import sys
@@ -22,7 +22,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 project = 'diffdrive_kinematics'
 copyright = '2026, diffdrive_kinematics contributors'  # noqa: A001
 extensions = ['myst_parser', 'numpydoc', 'sphinx.ext.autodoc', 'sphinx.ext.mathjax']
-exclude_patterns = ['_build']
+exclude_patterns = ['_build', '*.rst', 'standard_docs']  # rosdoc2 adds a page for each file
 myst_enable_extensions = ['colon_fence']
 myst_heading_anchors = 3
 numpydoc_show_class_members = False
