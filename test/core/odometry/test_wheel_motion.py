@@ -22,6 +22,7 @@ from diffdrive_kinematics.core.kinematics import LARGEST
 from diffdrive_kinematics.core.odometry import (
     baseline, rates_at, rolled, shifted, step_tolerance, timeout_from_seconds, update_motion,
     Verdict, WheelSample)
+from diffdrive_kinematics.core.odometry.wheel_track import WheelTrack
 from hypothesis import given, settings, strategies as st
 import pytest
 
@@ -394,3 +395,16 @@ def test_a_wheel_at_the_bound_does_not_jump_and_one_above_does():
 def test_without_a_bound_nothing_jumps():
     samples = [WheelSample(0, None, STILL), WheelSample(1, None, (1e9, -1e9))]
     assert play(samples)[2] == [Verdict.MOVED]
+
+
+@pytest.mark.parametrize('rates', [A, B], ids=['a repeat', 'a change'])
+def test_an_update_of_a_track_keeps_every_field_that_is_not_its_own_to_change(rates):
+    """The fast path writes the fields out: one that is added could be forgotten there."""
+    track, _, _ = WheelTrack(timeout_ns=T).update(WheelSample(0, A), now_ns=0)
+    read = {'timeout_ns', 'max_rate', 'measured'}
+    others = {*WheelTrack._fields} - read - {'left', 'right', 'motion', 'clock'}
+    track = track._replace(**{name: object() for name in others})
+    after, _, verdict = track.update(WheelSample(MS, rates), now_ns=MS)
+    assert verdict is (Verdict.REPEATED if rates == A else Verdict.MOVED)
+    assert [getattr(after, name) for name in (*read, *others)] == [
+        getattr(track, name) for name in (*read, *others)]
