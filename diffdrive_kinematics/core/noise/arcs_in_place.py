@@ -17,6 +17,7 @@
 from typing import NamedTuple, Tuple
 
 from diffdrive_kinematics.core.kinematics import sinc, WheelGeometry
+from diffdrive_kinematics.core.noise.body_slip import BodyNoise
 from diffdrive_kinematics.core.noise.box_muller import fill_normals
 from diffdrive_kinematics.core.noise.distributions import draw_unit
 from diffdrive_kinematics.core.noise.step_noise import StepNoise
@@ -71,7 +72,7 @@ def move_chunk(
         Of the step.
     bits : numpy.random.SFC64
         Source of randomness.
-    buffer : numpy.ndarray, shape (6 n + 2,) or more
+    buffer : numpy.ndarray, shape (6 n + 2,) or more, twice that where the body slips
         Work space; overwritten.
     distributions : pair of str
         Of the slip of the wheels (left, right).
@@ -97,6 +98,8 @@ def move_chunk(
     distance += noise.distance
     right -= left
     right += noise.half_turn
+    if noise.body:
+        _disturb(noise.body, bits, buffer[3 * rows + 1:-2 * rows], distance, right, lateral)
     move_arcs(poses, moved, right, distance, lateral, left, scratch)
 
 
@@ -118,6 +121,23 @@ def _drawn(
     right *= noise.right
     lateral *= np.sqrt(noise.lateral_left**2 + noise.lateral_right**2)
     return left, right, lateral
+
+
+def _disturb(
+        body: BodyNoise, bits: 'np.random.SFC64', buffer: Array, distance: Array, half: Array,
+        lateral: Array) -> None:
+    """Add what the body slips to travel, half turn and displacement of every pose."""
+    rows = len(half)
+    pairs = (3 * rows + 1) // 2
+    drawn = buffer[:2 * pairs]
+    if body.distribution == 'gaussian':
+        fill_normals(bits, drawn, buffer[-2 * pairs:].reshape(2, pairs))
+    else:
+        drawn[:3 * rows] = draw_unit(body.distribution, np.random.Generator(bits), 3 * rows)
+    for place, error, stddev in zip(
+            (distance, half, lateral), drawn[:3 * rows].reshape(3, rows), body[:3]):
+        error *= stddev
+        place += error
 
 
 def moved_arcs(

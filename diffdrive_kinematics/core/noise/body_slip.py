@@ -25,12 +25,14 @@ those the wheels, which have a servo each, do not slip alone.
 """
 
 from dataclasses import dataclass
-from typing import Tuple
+import math
+from typing import NamedTuple, Tuple
 
-from diffdrive_kinematics.core.kinematics import check_non_negative, Number
+from diffdrive_kinematics.core.kinematics import check_non_negative, Number, Scalar
 from diffdrive_kinematics.core.noise.distributions import check_distribution
+import numpy as np
 
-__all__ = ['BodySlip', 'NO_BODY_SLIP', 'body_variances']
+__all__ = ['BodyNoise', 'BodySlip', 'NO_BODY_SLIP', 'body_noise', 'body_variances']
 
 
 @dataclass(frozen=True)
@@ -109,3 +111,68 @@ def body_variances(body: BodySlip, distance: Number, turn: Number) -> Tuple[Numb
     turned: Number = abs(turn)
     return (body.linear_variance * travelled,
             body.turn_variance * turned + body.heading_variance * travelled)
+
+
+class BodyNoise(NamedTuple):
+    """
+    Standard deviations of what the slip of the body adds to one step; floats, or one per pose.
+
+    Parameters
+    ----------
+    distance : float or numpy.ndarray
+        Of the travel of the centre [m].
+    half_turn : float or numpy.ndarray
+        Of half the turn [rad].
+    lateral : float or numpy.ndarray
+        Of the lateral displacement [m].
+    distribution : str
+        Of all three.
+
+    Examples
+    --------
+    See :func:`body_noise`.
+
+    """
+
+    distance: Scalar
+    half_turn: Scalar
+    lateral: Scalar
+    distribution: str
+
+
+def body_noise(body: BodySlip, distance: Scalar, turn: Scalar) -> BodyNoise:
+    """
+    Return the standard deviations of the errors of one step.
+
+    With Q and V of :func:`body_variances`, what cancels over the step displaces the robot
+    sideways by ``(V ds^2 + Q dtheta^2) / 12``: an error of the heading swings what is left of the
+    step, and one of the distance points along the heading where it is made.
+
+    Parameters
+    ----------
+    body : BodySlip
+        Slip of the body.
+    distance : float or numpy.ndarray
+        Length ds of the step [m].
+    turn : float or numpy.ndarray
+        Its turn dtheta [rad].
+
+    Returns
+    -------
+    BodyNoise
+        Of the step.
+
+    Examples
+    --------
+    >>> body_noise(BodySlip(linear_variance=0.25), 1.0, 0.0)
+    BodyNoise(distance=0.5, half_turn=0.0, lateral=0.0, distribution='gaussian')
+
+    """
+    along, heading = body_variances(body, distance, turn)  # type: ignore[type-var]
+    lateral = (heading * distance * distance + along * turn * turn) / 12.0
+    return BodyNoise(
+        _root(along), 0.5 * _root(heading), _root(lateral), body.distribution)
+
+
+def _root(variance: Scalar) -> Scalar:
+    return np.sqrt(variance) if isinstance(variance, np.ndarray) else math.sqrt(variance)

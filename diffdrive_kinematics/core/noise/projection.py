@@ -21,7 +21,8 @@ slip that cancels over the step (a Brownian bridge): it leaves the heading alone
 robot sideways, along (-sin phi, cos phi) with phi = theta + h the direction of the chord, by
 ``sigma^2 = (q_r d_l^2 + q_l d_r^2) / (12 L^2)``, ``q = Var e`` of the wheel.  With this third
 draw the statistics do not depend on how a path is cut into steps: within 1 % up to 0.3 rad a
-step.  The law ``command`` has one error per interval, and no such part.
+step.  The law ``command`` has one error per interval, and no such part.  What the body slips is
+drawn likewise (:func:`.body_noise`).
 """
 
 from concurrent.futures import ThreadPoolExecutor
@@ -30,6 +31,7 @@ from typing import Sequence, Tuple, Union
 
 from diffdrive_kinematics.core.kinematics import check_finite, Command, Pose, Scalar, WheelGeometry
 from diffdrive_kinematics.core.noise.arcs_in_place import Columns, move_chunk
+from diffdrive_kinematics.core.noise.body_slip import BodySlip, NO_BODY_SLIP
 from diffdrive_kinematics.core.noise.noise import WheelSlip
 from diffdrive_kinematics.core.noise.session_errors import (
     draw_session, NO_SESSION, session_generator, SessionSpread, travel_in_session)
@@ -51,7 +53,8 @@ MOST_THREADS = 8
 
 def propagate(
         poses: Pose, d_left: Scalar, d_right: Scalar, geometry: WheelGeometry,
-        left_slip: WheelSlip, right_slip: WheelSlip, *, seed: Seed, threads: int = 1) -> Pose:
+        left_slip: WheelSlip, right_slip: WheelSlip, *, seed: Seed, threads: int = 1,
+        body: BodySlip = NO_BODY_SLIP) -> Pose:
     """
     Return where N poses are after one noisy step of wheel travel.
 
@@ -75,6 +78,8 @@ def propagate(
         ``(run, step)`` is a way to number them.
     threads : int
         How many threads share the work.
+    body : BodySlip
+        What slips beside the wheels.
 
     Returns
     -------
@@ -110,11 +115,12 @@ def propagate(
     workers = max(1, min(threads, len(starts), MOST_THREADS))
 
     def work_on(worker: int) -> None:
-        buffer = np.empty(6 * min(rows, ROWS) + 2)
+        buffer = np.empty((2 if body else 1) * (6 * min(rows, ROWS) + 2))
         for chunk in range(worker, len(starts), workers):
             part = slice(starts[chunk], starts[chunk] + ROWS)
             noise = step_noise(
-                _part(d_left, part), _part(d_right, part), geometry, left_slip, right_slip)
+                _part(d_left, part), _part(d_right, part), geometry, left_slip, right_slip,
+                body)
             bits = np.random.SFC64(np.random.SeedSequence(entropy, spawn_key=(chunk,)))
             move_chunk(_cut(columns, part), _cut(moved, part), geometry, noise, bits, buffer,
                        (left_slip.distribution, right_slip.distribution))
@@ -130,7 +136,7 @@ def propagate(
 def sample_paths(
         pose: Pose, commands: Sequence[Command], geometry: WheelGeometry, left_slip: WheelSlip,
         right_slip: WheelSlip, *, n: int, seed: Seed,
-        session: SessionSpread = NO_SESSION) -> Pose:
+        session: SessionSpread = NO_SESSION, body: BodySlip = NO_BODY_SLIP) -> Pose:
     """
     Return sample paths of a sequence of commands (LaValle, fig. 2.25: 100 of 25 steps).
 
@@ -150,6 +156,8 @@ def sample_paths(
         Seed of the noise.
     session : SessionSpread
         What lasts a run: each path has one draw of it.
+    body : BodySlip
+        What slips beside the wheels.
 
     Returns
     -------
@@ -182,7 +190,8 @@ def sample_paths(
         travel: Tuple[Scalar, Scalar] = travel_of_command(command, geometry)
         if error:
             travel = travel_in_session(error, geometry.separation, *travel)
-        at = propagate(at, *travel, geometry, left_slip, right_slip, seed=(*numbers, step))
+        at = propagate(at, *travel, geometry, left_slip, right_slip, seed=(*numbers, step),
+                       body=body)
         path.append(at)
     return Pose(*(np.stack(column) for column in zip(*path)))
 

@@ -15,9 +15,11 @@
 """Mean of one step of wheel travel, and the standard deviations of its errors."""
 
 import math
-from typing import NamedTuple, Tuple
+from typing import NamedTuple, Optional, Tuple
 
 from diffdrive_kinematics.core.kinematics import Command, Scalar, WheelGeometry
+from diffdrive_kinematics.core.noise.body_slip import (
+    body_noise, BodyNoise, BodySlip, NO_BODY_SLIP)
 from diffdrive_kinematics.core.noise.noise import travel_variance, WheelSlip
 import numpy as np
 
@@ -38,6 +40,8 @@ class StepNoise(NamedTuple):
         What the slip of either wheel adds to the half turn [rad]: sigma / (2 L).
     lateral_left, lateral_right : float or numpy.ndarray
         What it adds to the lateral displacement [m].
+    body : BodyNoise or None
+        What the slip of the body adds; None: there is none.
 
     Examples
     --------
@@ -53,6 +57,7 @@ class StepNoise(NamedTuple):
     right: Scalar
     lateral_left: Scalar
     lateral_right: Scalar
+    body: Optional[BodyNoise] = None
 
 
 def lateral_variances(
@@ -96,7 +101,7 @@ def lateral_variances(
 
 def step_noise(
         d_left: Scalar, d_right: Scalar, geometry: WheelGeometry, left_slip: WheelSlip,
-        right_slip: WheelSlip) -> StepNoise:
+        right_slip: WheelSlip, body: BodySlip = NO_BODY_SLIP) -> StepNoise:
     """
     Return mean and standard deviations of one step of wheel travel.
 
@@ -108,6 +113,8 @@ def step_noise(
         Distance of the wheels.
     left_slip, right_slip : WheelSlip
         Bias and slip of the wheels.
+    body : BodySlip
+        What slips beside the wheels.
 
     Returns
     -------
@@ -124,11 +131,13 @@ def step_noise(
     left, right = (1.0 + left_slip.bias) * d_left, (1.0 + right_slip.bias) * d_right
     double = 2.0 * geometry.separation
     lateral = lateral_variances(d_left, d_right, geometry, left_slip, right_slip)
+    half_turn, distance = (right - left) / double, 0.5 * (left + right)
     return StepNoise(
-        (right - left) / double, 0.5 * (left + right),
+        half_turn, distance,
         _root(travel_variance(left_slip, d_left)) / double,
         _root(travel_variance(right_slip, d_right)) / double,
-        _root(lateral[0]), _root(lateral[1]))
+        _root(lateral[0]), _root(lateral[1]),
+        body_noise(body, distance, 2.0 * half_turn) if body else None)
 
 
 def travel_of_command(command: Command, geometry: WheelGeometry) -> Tuple[float, float]:

@@ -16,10 +16,10 @@
 
 import math
 
-from diffdrive_kinematics.core.kinematics import Pose, WheelGeometry
+from diffdrive_kinematics.core.kinematics import advance, Command, Pose, WheelGeometry
 from diffdrive_kinematics.core.noise import (
-    body_covariance_along, body_variances, BodySlip, CERTAIN, NO_BODY_SLIP, propagated_moments,
-    slip_on_arc)
+    body_covariance_along, body_variances, BodySlip, CERTAIN, DISTRIBUTIONS, NO_BODY_SLIP,
+    propagate, propagated_moments, sample_paths, slip_on_arc, WheelSlip)
 from hypothesis import given, settings, strategies as st
 import numpy as np
 import pytest
@@ -132,3 +132,90 @@ def test_bad_values_are_refused_by_name(values, name):
 
 def test_nothing_is_the_default():
     assert BodySlip() == NO_BODY_SLIP and not NO_BODY_SLIP and BODY
+
+
+def sampled(course, slips, body, n, seed, start=ORIGIN):
+    """Return poses after a course of (distance, turn), each in one step of ``propagate``."""
+    poses = Pose(*(np.full(n, value) for value in start))
+    for step, arc in enumerate(course):
+        poses = propagate(
+            poses, *travel_of(*arc), GEOMETRY, *slips, seed=(seed, step), body=body)
+    return poses
+
+
+def errors(poses, pose):
+    """Return the errors (x, y, theta), shape (3, n)."""
+    return np.stack([poses.x - pose.x, poses.y - pose.y, poses.theta - pose.theta])
+
+
+@EACH
+@pytest.mark.parametrize('course', [
+    100 * [(0.2, 0.0)], 100 * [(0.1, 0.05)], 40 * [(-0.1, -0.1)],
+    8 * ([(0.25, 0.0)] * 4 + [(0.0, 0.25)] * 3)], ids=['straight', 'arc', 'reverse', 'square'])
+def test_sampled_paths_have_the_exact_moments(body, course):
+    """Compare 20,000 paths, whose variances have a relative standard error of 1 % and more."""
+    slips = (WheelSlip(variance=1e-6),) * 2
+    pose, moments = ORIGIN, CERTAIN
+    for arc in course:
+        pose, moments = propagated_moments(
+            moments, pose, GEOMETRY, *travel_of(*arc), 1e-6, 1e-6, body)
+    error = errors(sampled(course, slips, body, 20_000, 5), pose)
+    expected = moments.second_moment().matrix()
+    scale = np.sqrt(np.diag(expected))
+    found = error @ error.T / error.shape[1]
+    spread = (error[:, None] * error).std(axis=2) / math.sqrt(error.shape[1])
+    assert np.all(np.abs(found - expected) < 4.0 * spread + 0.01 * np.outer(scale, scale))
+    assert np.mean(error[0] + 1j * error[1]) == pytest.approx(
+        moments.mean_error, abs=4.0 * float(np.max(scale[:2])) / math.sqrt(error.shape[1]))
+
+
+@pytest.mark.parametrize('distribution', DISTRIBUTIONS)
+@pytest.mark.parametrize('arc', [(0.3, 0.0), (-0.3, 0.0), (0.2, 0.3), (0.0, -0.3)])
+def test_one_step_of_samples_has_the_variances_asked_for(arc, distribution):
+    """And as wide across as many steps have it, within 1 %."""
+    body = BodySlip(2e-4, 1e-3, 2e-3, distribution)
+    variances, n = body_variances(body, *arc), 200_000
+    poses = sampled([arc], (WheelSlip(),) * 2, body, n, 1)
+    pose = advance(ORIGIN, *arc)
+    assert np.var(poses.theta) == pytest.approx(variances[1], rel=0.015)
+    direction = 0.5 * arc[1]
+    error = errors(poses, pose)
+    along, across = (math.cos(direction) * error[0] + math.sin(direction) * error[1],
+                     math.cos(direction) * error[1] - math.sin(direction) * error[0])
+    _, moments = propagated_moments(
+        CERTAIN, ORIGIN, GEOMETRY, *travel_of(*arc), 0.0, 0.0, BodySlip(2e-4, 1e-3, 2e-3))
+    expected = moments.spread.rotated(-direction)
+    if arc[0]:
+        assert np.var(along) == pytest.approx(expected.xx, rel=0.02)
+        assert np.var(across) == pytest.approx(expected.yy, rel=0.02)
+    else:
+        assert np.hypot(along, across).max() == 0.0
+
+
+def test_the_slip_of_the_body_leaves_the_draws_of_the_wheels_as_they_are():
+    slips = (WheelSlip(variance=1e-5),) * 2
+    tiny = BodySlip(1e-30, 1e-30, 1e-30)
+    for with_body, without in zip(*(
+            sampled([(0.2, 0.1)], slips, body, 40_000, 3) for body in (tiny, NO_BODY_SLIP))):
+        np.testing.assert_allclose(with_body, without, rtol=1e-12, atol=1e-13)
+
+
+@pytest.mark.parametrize('distribution', ['gaussian', 'uniform'])
+def test_samples_do_not_depend_on_threads_or_on_what_else_is_in_the_chunk(distribution):
+    body = BodySlip(1e-3, 0.01, 1e-3, distribution)
+    slip, n = WheelSlip(variance=1e-5, distribution=distribution), 40_001
+    poses, travel = Pose(*np.zeros((3, n))), np.linspace(0.0, 0.5, n)
+    one, two, alike = (
+        propagate(poses, d, d, GEOMETRY, slip, slip, seed=2, threads=threads, body=body)
+        for d, threads in ((travel, 1), (travel, 2), (0.5, 1)))
+    for a, b, c in zip(one, two, alike):
+        np.testing.assert_array_equal(a, b)
+        assert a[-1] == pytest.approx(c[-1], rel=1e-12)
+
+
+def test_sample_paths_have_the_slip_of_the_body_in_every_step():
+    commands = 5 * [Command(0.2, 0.0, 1.0)]
+    paths = sample_paths(ORIGIN, commands, GEOMETRY, WheelSlip(), WheelSlip(), n=20_000, seed=1,
+                         body=BodySlip(heading_variance=0.01))
+    assert np.var(paths.theta, axis=1) == pytest.approx(
+        0.002 * np.arange(6), rel=4.0 * math.sqrt(2.0 / 20_000))
