@@ -18,6 +18,7 @@ import math
 from typing import NamedTuple, Optional, Sequence, Tuple
 
 from diffdrive_kinematics.core.kinematics import check_finite, Command, Pose, WheelGeometry
+from diffdrive_kinematics.core.noise.body_slip import BodySlip, NO_BODY_SLIP
 from diffdrive_kinematics.core.noise.noise import WheelSlip
 from diffdrive_kinematics.core.noise.projection import propagate
 from diffdrive_kinematics.core.noise.reachable import reachable_set_from_slip
@@ -54,7 +55,7 @@ class Projected(NamedTuple):
 def projected(
         pose: Pose, commands: Sequence[Command], geometry: WheelGeometry,
         slips: Tuple[WheelSlip, WheelSlip], samples: int, seed: int,
-        with_boundary: bool) -> Projected:
+        with_boundary: bool, body: BodySlip = NO_BODY_SLIP) -> Projected:
     """
     Return where a robot may be that starts at a pose and carries out commands.
 
@@ -74,6 +75,8 @@ def projected(
         Of the samples.
     with_boundary : bool
         Whether to compute the boundary of all that can be reached.
+    body : BodySlip
+        What slips beside the wheels.
 
     Returns
     -------
@@ -98,20 +101,20 @@ def projected(
 
     """
     travels = [travel_of_command(command, geometry) for command in commands]
-    rows = _rows(pose, travels, geometry, slips, samples, seed) if samples else None
+    rows = _rows(pose, travels, geometry, slips, samples, seed, body) if samples else None
     boundary = reachable_set_from_slip(
-        pose, travels, geometry, *slips) if with_boundary else None
+        pose, travels, geometry, *slips, body=body) if with_boundary else None
     return Projected(rows, boundary)
 
 
 def _rows(
         pose: Pose, travels: Sequence[Tuple[float, float]], geometry: WheelGeometry,
-        slips: Tuple[WheelSlip, WheelSlip], samples: int, seed: int) -> Array:
+        slips: Tuple[WheelSlip, WheelSlip], samples: int, seed: int, body: BodySlip) -> Array:
     at = Pose(*(
         np.full(samples, check_finite(f'{name} of the start', float(value)))
         for name, value in zip(Pose._fields, pose)))
     for step, travel in enumerate(travels):
-        at = propagate(at, *travel, geometry, *slips, seed=(seed, step))
+        at = propagate(at, *travel, geometry, *slips, seed=(seed, step), body=body)
     rows = np.zeros((samples, 7))
     rows[:, 0], rows[:, 1] = at.x, at.y
     half = (0.5 * np.asarray(at.theta)).tolist()

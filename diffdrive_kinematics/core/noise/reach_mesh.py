@@ -22,11 +22,56 @@ from diffdrive_kinematics.core.noise.stage import Stage
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ['mesh_of', 'slice_of', 'turned_edges']
+__all__ = ['mesh_of', 'slice_of', 'turn_errors', 'turned_edges']
 
 Array = NDArray[np.float64]
 Points = NDArray[np.complex128]
 Pairs = NDArray[np.int64]
+
+
+def turn_errors(
+        stage: Stage, geometry: WheelGeometry, radius: float, slices: int) -> Tuple[Array, float]:
+    """
+    Return errors of the half turn for the slices, and the sagitta between them.
+
+    The second derivative of a point by h is at most 4 (radius + distance + L), and a chord over a
+    step misses an eighth of that times its square.
+
+    Parameters
+    ----------
+    stage : Stage
+        Travel and bounds of the stage.
+    geometry : WheelGeometry
+        Distance of the wheels.
+    radius : float
+        Of what can be reached before the stage [m].
+    slices : int
+        Into how many parts to cut the errors.
+
+    Returns
+    -------
+    nodes : numpy.ndarray, shape (s,)
+        Errors of the half turn [rad]: evenly, and where bounds of the distance have corners.
+    sagitta : float
+        How far what is between two slices may reach beyond the chord [m].
+
+    Examples
+    --------
+    >>> turn_errors(Stage(1.0, 1.0, 0.25, 0.25), WheelGeometry(0.5, 0.125), 0.0, 4)[0].tolist()
+    [-0.5, -0.25, 0.0, 0.25, 0.5]
+
+    """
+    wheels = stage.left_bound + stage.right_bound
+    of_body, double = 0.5 * stage.turn_bound, 2.0 * geometry.separation
+    if (spread := wheels / double + of_body) == 0.0:
+        return np.zeros(1), 0.0
+    kink = (stage.right_bound - stage.left_bound) / double
+    kinks = kink - of_body, kink + of_body, -kink - of_body, -kink + of_body
+    nodes = np.linspace(-spread, spread, slices + 1)
+    step = 2.0 * spread / slices
+    reach = (radius + 0.5 * abs(stage.d_left + stage.d_right) + wheels + stage.lateral_bound
+             + stage.distance_bound + geometry.separation)
+    return np.unique(np.concatenate([nodes, kinks])), 0.5 * reach * step * step
 
 
 def mesh_of(
@@ -73,11 +118,16 @@ def _distances(
         stage: Stage, geometry: WheelGeometry, distance: float, node: float, margin: float
 ) -> Tuple[float, float]:
     """Return least and largest distance [m] of the centre that go with an error of h [rad]."""
-    across = geometry.separation * node
-    low = max(-stage.left_bound, -stage.right_bound - 2.0 * across) + across
-    high = min(stage.left_bound, stage.right_bound - 2.0 * across) + across
+    of_body, double = 0.5 * stage.turn_bound, 2.0 * geometry.separation
+    kink = (stage.right_bound - stage.left_bound) / double
+    nearest, opposite = (  # of the errors that the wheels can have where the body has the rest
+        geometry.separation * min(max(each, node - of_body), node + of_body)
+        for each in (kink, -kink))
+    low = max(-stage.left_bound, -stage.right_bound - 2.0 * opposite) + opposite
+    high = min(stage.left_bound, stage.right_bound - 2.0 * nearest) + nearest
     middle = 0.5 * (low + high)
-    return distance + min(low, middle) - margin, distance + max(high, middle) + margin
+    return (distance + min(low, middle) - stage.distance_bound - margin,
+            distance + max(high, middle) + stage.distance_bound + margin)
 
 
 def slice_of(

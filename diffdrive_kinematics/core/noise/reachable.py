@@ -16,8 +16,9 @@
 Forward projection of a set: where the robot can be under bounded disturbances (LaValle 2.34).
 
 W(u) is a box: in each stage the travel of the left and of the right wheel is off by at most its
-bound, and the robot may be displaced sideways by at most the lateral bound, each constant over
-the stage (the same model that ``projection`` samples).  The forward
+bound, the robot may be displaced sideways by at most the lateral bound, and where the body slips
+travel and turn may be off by more than the wheels make of it, each constant over the stage (the
+same model that ``projection`` samples).  The forward
 projection over several stages (2.35) is computed from the last stage to the first, as a set of
 positions in the frame of the robot at the start of the stage: ::
 
@@ -42,10 +43,12 @@ from typing import Sequence, Tuple, Union
 
 from diffdrive_kinematics.core.kinematics import (
     check_finite, check_non_negative, Pose, WheelGeometry)
+from diffdrive_kinematics.core.noise.body_slip import BodySlip, NO_BODY_SLIP
 from diffdrive_kinematics.core.noise.noise import WheelSlip
 from diffdrive_kinematics.core.noise.outline import outer_boundary
 from diffdrive_kinematics.core.noise.polygons import area, perimeter, simplified
-from diffdrive_kinematics.core.noise.reach_mesh import mesh_of, slice_of, turned_edges
+from diffdrive_kinematics.core.noise.reach_mesh import (
+    mesh_of, slice_of, turn_errors, turned_edges)
 from diffdrive_kinematics.core.noise.stage import Stage, stage_from_slip, with_pivots_joined
 import numpy as np
 from numpy.typing import NDArray
@@ -77,8 +80,8 @@ FEWEST_SLICES, MOST_SLICES = 8, 128
 
 def reachable_set_from_slip(
         pose: Pose, travels: Sequence[Tuple[float, float]], geometry: WheelGeometry,
-        left_slip: WheelSlip, right_slip: WheelSlip, *, most_vertices: int = 1000
-) -> Tuple[Array, Array]:
+        left_slip: WheelSlip, right_slip: WheelSlip, *, most_vertices: int = 1000,
+        body: BodySlip = NO_BODY_SLIP) -> Tuple[Array, Array]:
     """
     Return the boundary that holds every sample of bounded slip; see :func:`reachable_set`.
 
@@ -94,6 +97,8 @@ def reachable_set_from_slip(
         Of the wheels: bias, bounds and the lateral part come from them.
     most_vertices : int
         Bound of the number of vertices, 64 or above; a wider margin makes up for a small one.
+    body : BodySlip
+        What slips beside the wheels.
 
     Returns
     -------
@@ -117,14 +122,16 @@ def reachable_set_from_slip(
     '0.98 m to 1.02 m'
 
     """
-    stages = [stage_from_slip(*travel, geometry, left_slip, right_slip) for travel in travels]
+    stages = [
+        stage_from_slip(*travel, geometry, left_slip, right_slip, body) for travel in travels]
     return _reachable(pose, stages, geometry, most_vertices)
 
 
 def reachable_set(
         pose: Pose, travels: Sequence[Tuple[float, float]], geometry: WheelGeometry,
-        left_bound: Bounds, right_bound: Bounds, lateral_bound: Bounds = 0.0, *,
-        most_vertices: int = 1000) -> Tuple[Array, Array]:
+        left_bound: Bounds, right_bound: Bounds, lateral_bound: Bounds = 0.0,
+        distance_bound: Bounds = 0.0, turn_bound: Bounds = 0.0, *, most_vertices: int = 1000
+) -> Tuple[Array, Array]:
     """
     Return the boundary of the nondeterministic forward projection (LaValle 2.34, 2.35).
 
@@ -136,8 +143,10 @@ def reachable_set(
         Mean travel [m] of the wheels in each of the k stages, at least one.
     geometry : WheelGeometry
         Distance of the wheels.
-    left_bound, right_bound, lateral_bound : float or sequence of float
-        Bounds [m] of the disturbances, of all stages or of each.
+    left_bound, right_bound, lateral_bound, distance_bound : float or sequence of float
+        Bounds [m] of the disturbances, of all stages or of each, as in :class:`.Stage`.
+    turn_bound : float or sequence of float
+        Likewise [rad].
     most_vertices : int
         Bound of the number of vertices, 64 or above; a wider margin makes up for a small one.
 
@@ -167,7 +176,8 @@ def reachable_set(
     """
     bounds = [_per_stage(name, bound, len(travels)) for name, bound in (
         ('left_bound', left_bound), ('right_bound', right_bound),
-        ('lateral_bound', lateral_bound))]
+        ('lateral_bound', lateral_bound), ('distance_bound', distance_bound),
+        ('turn_bound', turn_bound))]
     stages = [
         Stage(check_finite('d_left', d_left), check_finite('d_right', d_right), *bound)
         for (d_left, d_right), *bound in zip(travels, *bounds)]
@@ -201,7 +211,7 @@ def _before(
     """Return the set one stage earlier, and how far the true one may reach beyond it [m]."""
     slices, tolerance = FEWEST_SLICES, math.inf
     while True:
-        nodes, sagitta = _nodes(stage, geometry, float(np.max(np.abs(polygon))), slices)
+        nodes, sagitta = turn_errors(stage, geometry, float(np.max(np.abs(polygon))), slices)
         mesh = mesh_of(polygon, margin + sagitta + LEAST, stage, geometry, nodes)
         turned = turned_edges(mesh)
         finest = len(turned) > 2 * len(mesh) + MOST_FOLDS or slices >= MOST_SLICES
@@ -219,27 +229,6 @@ def _before(
         tolerance *= 1.5
         smaller = simplified(outline, tolerance)
     return smaller, tolerance
-
-
-def _nodes(
-        stage: Stage, geometry: WheelGeometry, radius: float, slices: int
-) -> Tuple[Array, float]:
-    """
-    Return errors of the half turn [rad] for the slices, and the sagitta [m] between them.
-
-    The second derivative of a point of the mesh by h is at most 4 (radius + distance + L), and
-    a chord over a step misses an eighth of that times the square of the step.
-    """
-    wheels = stage.left_bound + stage.right_bound
-    spread = wheels / (2.0 * geometry.separation)
-    if spread == 0.0:
-        return np.zeros(1), 0.0
-    kink = (stage.right_bound - stage.left_bound) / (2.0 * geometry.separation)
-    nodes = np.linspace(-spread, spread, slices + 1)
-    step = 2.0 * spread / slices
-    reach = (radius + 0.5 * abs(stage.d_left + stage.d_right) + wheels + stage.lateral_bound
-             + geometry.separation)
-    return np.unique(np.concatenate([nodes, [kink, -kink]])), 0.5 * reach * step * step
 
 
 def _per_stage(name: str, bound: Bounds, stages: int) -> Sequence[float]:

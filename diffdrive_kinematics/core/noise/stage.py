@@ -19,9 +19,11 @@ Stages that follow each other about one resting wheel are rotations about one po
 """
 
 import math
-from typing import NamedTuple, Sequence, Tuple
+from typing import NamedTuple, Sequence, Tuple, Union
 
-from diffdrive_kinematics.core.kinematics import check_finite, Scalar, WheelGeometry
+from diffdrive_kinematics.core.kinematics import (
+    check_finite, pose_change_from_travel, WheelGeometry)
+from diffdrive_kinematics.core.noise.body_slip import body_noise, BodySlip, NO_BODY_SLIP
 from diffdrive_kinematics.core.noise.distributions import unit_bound
 from diffdrive_kinematics.core.noise.noise import travel_variance, WheelSlip
 from diffdrive_kinematics.core.noise.step_noise import lateral_variances
@@ -44,6 +46,10 @@ class Stage(NamedTuple):
         By how much [m] it may be off.
     lateral_bound : float
         By how much [m] the robot may be displaced sideways.
+    distance_bound : float
+        By how much [m] the travel of the centre may be off beside what the wheels make of it.
+    turn_bound : float
+        By how much [rad] the turn may be off, likewise.
 
     Examples
     --------
@@ -56,11 +62,13 @@ class Stage(NamedTuple):
     left_bound: float
     right_bound: float
     lateral_bound: float = 0.0
+    distance_bound: float = 0.0
+    turn_bound: float = 0.0
 
 
 def stage_from_slip(
         d_left: float, d_right: float, geometry: WheelGeometry, left_slip: WheelSlip,
-        right_slip: WheelSlip) -> Stage:
+        right_slip: WheelSlip, body: BodySlip = NO_BODY_SLIP) -> Stage:
     """
     Return the stage whose box holds every sample that ``propagate`` draws for a travel.
 
@@ -72,6 +80,8 @@ def stage_from_slip(
         Distance of the wheels.
     left_slip, right_slip : WheelSlip
         Bias and slip of the wheels.
+    body : BodySlip
+        What slips beside the wheels.
 
     Returns
     -------
@@ -96,11 +106,21 @@ def stage_from_slip(
     check_finite('d_left', d_left)
     check_finite('d_right', d_right)
     lateral = lateral_variances(d_left, d_right, geometry, left_slip, right_slip)
-    return Stage(
-        (1.0 + left_slip.bias) * d_left, (1.0 + right_slip.bias) * d_right,
-        _bound('left', left_slip, travel_variance(left_slip, d_left)),
-        _bound('right', right_slip, travel_variance(right_slip, d_right)),
-        _bound('left', left_slip, lateral[0]) + _bound('right', right_slip, lateral[1]))
+    left, right = (1.0 + left_slip.bias) * d_left, (1.0 + right_slip.bias) * d_right
+    stage = Stage(
+        left, right,
+        _bound('left wheel', left_slip, math.sqrt(travel_variance(left_slip, d_left))),
+        _bound('right wheel', right_slip, math.sqrt(travel_variance(right_slip, d_right))),
+        _bound('left wheel', left_slip, math.sqrt(lateral[0]))
+        + _bound('right wheel', right_slip, math.sqrt(lateral[1])))
+    if not body:
+        return stage
+    along, half_turn, aside = (
+        _bound('body', body, float(stddev)) for stddev in body_noise(
+            body, *pose_change_from_travel(geometry, left, right))[:3])
+    return stage._replace(
+        lateral_bound=stage.lateral_bound + aside, distance_bound=along,
+        turn_bound=2.0 * half_turn)
 
 
 def with_pivots_joined(
@@ -108,7 +128,8 @@ def with_pivots_joined(
     """
     Return the stages, those that follow each other about one resting wheel as one stage.
 
-    Their rotations have one centre, so angles and bounds add up.
+    Their rotations have one centre, so angles and bounds add up.  Where the body slips no wheel
+    rests.
 
     Parameters
     ----------
@@ -128,14 +149,16 @@ def with_pivots_joined(
     Examples
     --------
     >>> stage = Stage(0.0, 0.5, 0.0, 0.125)
-    >>> with_pivots_joined([stage, stage], WheelGeometry(0.5, 0.125))
-    ([Stage(d_left=0.0, d_right=1.0, left_bound=0.0, right_bound=0.25, lateral_bound=0.0)], 0.0)
+    >>> (joined,), margin = with_pivots_joined([stage, stage], WheelGeometry(0.5, 0.125))
+    >>> joined[:4], margin
+    ((0.0, 1.0, 0.0, 0.25), 0.0)
 
     """
     joined, left_out = [stages[0]], 0.0
     for stage in stages[1:]:
         before = joined[-1]
-        for still in (_without_left, _without_right):
+        rigid = not any((*before[5:], *stage[5:]))
+        for still in (_without_left, _without_right) if rigid else ():
             if max(_moved(before, still(before)), _moved(stage, still(stage))) <= NEGLIGIBLE:
                 left_out += _moved(before, still(before)) + _moved(stage, still(stage))
                 joined[-1] = Stage(*map(sum, zip(still(before), still(stage))))
@@ -160,11 +183,11 @@ def _moved(stage: Stage, other: Stage) -> float:
     return sum(abs(one - another) for one, another in zip(stage, other))
 
 
-def _bound(side: str, slip: WheelSlip, variance: Scalar) -> float:
-    if variance == 0.0:
+def _bound(what: str, slip: Union[WheelSlip, BodySlip], stddev: float) -> float:
+    if stddev == 0.0:
         return 0.0
     bound = unit_bound(slip.distribution)
     if not math.isfinite(bound):
         raise ValueError(
-            f'distribution of the {side} wheel is {slip.distribution!r}, expected a bounded one')
-    return bound * math.sqrt(float(variance))
+            f'distribution of the {what} is {slip.distribution!r}, expected a bounded one')
+    return bound * stddev

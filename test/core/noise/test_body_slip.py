@@ -144,7 +144,7 @@ def sampled(course, slips, body, n, seed, start=ORIGIN):
 
 
 def errors(poses, pose):
-    """Return the errors (x, y, theta), shape (3, n)."""
+    """Return by how much poses are off in x, y and theta, shape (3, n)."""
     return np.stack([poses.x - pose.x, poses.y - pose.y, poses.theta - pose.theta])
 
 

@@ -20,8 +20,8 @@ import time
 
 from diffdrive_kinematics.core.kinematics import Pose, WheelGeometry
 from diffdrive_kinematics.core.noise import (
-    area, outer_boundary, perimeter, propagate, reachable_set, reachable_set_from_slip, simplified,
-    Stage, stage_from_slip, WheelSlip)
+    area, BodySlip, NO_BODY_SLIP, outer_boundary, perimeter, propagate, reachable_set,
+    reachable_set_from_slip, simplified, Stage, stage_from_slip, WheelSlip)
 import numpy as np
 import pytest
 from support.marks import rest_slow
@@ -30,15 +30,18 @@ L = 0.0885
 GEOMETRY = WheelGeometry(L, 0.02)
 ORIGIN = Pose(0.0, 0.0, 0.0)
 UNIFORM = WheelSlip(0.0, 1e-5, distribution='uniform')
+NONE = WheelSlip(distribution='uniform')
+BODY = BodySlip(2e-5, 4e-3, 1e-3, 'uniform')
+BOUNDS = len(Stage._fields) - 2  # of a stage
 COURSES = {
     'straight': (1.0, 1.0), 'arc': (1.0, 1.2), 'long_turn': (0.5, 0.9),
     'u_turn': (0.3, 0.3 + math.pi * L), 'in_place': (-0.14, 0.14), 'reverse': (-0.6, -0.5),
     'one_wheel': (0.3, 0.0)}
 
 
-def stages_of(course, number, left=UNIFORM, right=UNIFORM, lateral=True):
+def stages_of(course, number, left=UNIFORM, right=UNIFORM, lateral=True, body=NO_BODY_SLIP):
     d_left, d_right = (d / number for d in COURSES[course])
-    stage = stage_from_slip(d_left, d_right, GEOMETRY, left, right)
+    stage = stage_from_slip(d_left, d_right, GEOMETRY, left, right, body)
     return [stage if lateral else stage._replace(lateral_bound=0.0)] * number
 
 
@@ -50,18 +53,19 @@ def boundary_of(stages, pose=ORIGIN, **options):
     return x.astype(np.float32).astype(float) + 1j * y.astype(np.float32).astype(float)
 
 
-def triples(draws):
-    return (draws[i:i + 3] for i in range(0, len(draws), 3))
+def of_stages(draws):
+    return (draws[i:i + BOUNDS] for i in range(0, len(draws), BOUNDS))
 
 
 def moved_by(stages, draws):
-    """Return where draws in [-1, 1], shape (3 k, ...), of the disturbances lead from 0."""
+    """Return where draws in [-1, 1], shape (5 k, ...), of the disturbances lead from 0."""
     place, heading = 0.0, 0.0
-    for stage, (left, right, side) in zip(stages, triples(draws)):
+    for stage, (left, right, side, along, turned) in zip(stages, of_stages(draws)):
         d_left = stage.d_left + stage.left_bound * left
         d_right = stage.d_right + stage.right_bound * right
-        half = (d_right - d_left) / (2.0 * L)
-        chord = 0.5 * (d_left + d_right) * np.sinc(half / np.pi)
+        half = (d_right - d_left) / (2.0 * L) + 0.5 * stage.turn_bound * turned
+        distance = 0.5 * (d_left + d_right) + stage.distance_bound * along
+        chord = distance * np.sinc(half / np.pi)
         place = place + np.exp(1j * (heading + half)) * (chord + 1j * stage.lateral_bound * side)
         heading = heading + 2.0 * half
     return place
@@ -70,7 +74,7 @@ def moved_by(stages, draws):
 def draws_of(kind, stages, n, seed=1):
     """Return draws from inside of the box, from its corners, or from its low-dimensional faces."""
     generator = np.random.default_rng(seed)
-    draws = generator.uniform(-1.0, 1.0, (3 * len(stages), n))
+    draws = generator.uniform(-1.0, 1.0, (BOUNDS * len(stages), n))
     share = {'inside': 0.0, 'faces': 0.85, 'corners': 1.0}[kind]
     return np.where(generator.random(draws.shape) < share, np.sign(draws), draws)
 
@@ -115,7 +119,7 @@ def dense_area(stages, side, pixels):
     for i, j in itertools.combinations(used, 2):
         rest = [k for k in used if k not in (i, j)]
         for signs in itertools.product((-1.0, 1.0), repeat=len(rest)):
-            draws = [0.0] * (3 * len(stages))
+            draws = [0.0] * (BOUNDS * len(stages))
             for k, sign in zip(rest, signs):
                 draws[k] = sign
             draws[i], draws[j] = first, second
@@ -132,12 +136,13 @@ def dense_area(stages, side, pixels):
     return count * 4.0 * size.real * size.imag / (pixels[0] * pixels[1])
 
 
+@pytest.mark.parametrize('body', [NO_BODY_SLIP, BODY], ids=['wheels', 'body'])
 @pytest.mark.parametrize('lateral', [True, False])
 @pytest.mark.parametrize('number', [1, 2, 5])
 @pytest.mark.parametrize('course', COURSES)
-def test_no_sample_is_outside(course, number, lateral):
+def test_no_sample_is_outside(course, number, lateral, body):
     """Draw inside of the box, and where it matters more: corners and faces of the box."""
-    stages = stages_of(course, number, lateral=lateral)
+    stages = stages_of(course, number, lateral=lateral, body=body)
     polygon = boundary_of(stages)
     for kind in ('inside', 'faces', 'corners'):
         assert excess(polygon, moved_by(stages, draws_of(kind, stages, 8000))) < 1e-6, kind
@@ -145,14 +150,17 @@ def test_no_sample_is_outside(course, number, lateral):
 
 @pytest.mark.parametrize('distribution', ['uniform', 'triangular', 'truncated_gaussian'])
 @pytest.mark.parametrize('course', ['straight', 'arc', 'in_place'])
-def test_no_sample_that_propagate_draws_is_outside(course, distribution):
+@pytest.mark.parametrize('linear', [0.0, 2e-5])
+def test_no_sample_that_propagate_draws_is_outside(course, distribution, linear):
+    body = BodySlip(linear, 200.0 * linear, 50.0 * linear, distribution)
     left = WheelSlip(0.03, 2e-5, distribution=distribution)
     right = WheelSlip(-0.02, 1e-5, distribution='uniform')
     travel = tuple(d / 3.0 for d in COURSES[course])
     poses = Pose(*(np.full(60_000, value) for value in (1.0, -2.0, 2.0)))
     for step in range(3):
-        poses = propagate(poses, *travel, GEOMETRY, left, right, seed=(1, step))
-    x, y = reachable_set_from_slip(Pose(1.0, -2.0, 2.0), [travel] * 3, GEOMETRY, left, right)
+        poses = propagate(poses, *travel, GEOMETRY, left, right, seed=(1, step), body=body)
+    x, y = reachable_set_from_slip(
+        Pose(1.0, -2.0, 2.0), [travel] * 3, GEOMETRY, left, right, body=body)
     polygon = x.astype(np.float32) + 1j * y.astype(np.float32).astype(float)
     assert excess(polygon, poses.x + 1j * poses.y) < 1e-6
 
@@ -169,6 +177,16 @@ def test_the_area_is_that_of_the_image_of_the_box_within_2_percent(course, numbe
                     6: (300, (150, 80))}[bounds]
     dense = dense_area(stages, side, pixels)
     assert area(boundary_of(stages)) == pytest.approx(dense, rel=0.02)
+
+
+@pytest.mark.parametrize(('course', 'wheels', 'body'), rest_slow([
+    ('arc', NONE, BodySlip(0.0, 4e-3, 1e-3, 'uniform')), ('straight', NONE, BODY),
+    ('in_place', UNIFORM, BodySlip(0.0, 4e-3, 0.0, 'uniform')), ('arc', UNIFORM, BODY),
+    ('long_turn', UNIFORM, BODY)]))
+def test_the_area_with_slip_of_the_body_is_that_of_the_image_of_the_box(course, wheels, body):
+    stages = stages_of(course, 1, wheels, wheels, body=body)
+    assert area(boundary_of(stages)) == pytest.approx(
+        dense_area(stages, 500, (250, 120)), rel=0.02)
 
 
 def test_the_area_of_a_turn_in_place_is_that_of_two_leaves():
@@ -203,7 +221,7 @@ def test_a_banana_is_not_its_hull():
 
 def test_without_disturbances_the_set_is_the_point_of_the_mean():
     polygon = boundary_of([Stage(0.3, 0.5, 0.0, 0.0), Stage(0.1, -0.1, 0.0, 0.0)])
-    end = moved_by([Stage(0.3, 0.5, 0.0, 0.0)], np.zeros((3, 1)))
+    end = moved_by([Stage(0.3, 0.5, 0.0, 0.0)], np.zeros((BOUNDS, 1)))
     assert np.abs(polygon - end).max() < 1e-6
     assert excess(polygon, end) < 1e-6
 
@@ -319,12 +337,29 @@ def test_the_stage_of_a_slip_by_hand():
     left = WheelSlip(0.1, 1e-4, distribution='uniform')
     right = WheelSlip(-0.1, 4e-4, distribution='triangular')
     stage = stage_from_slip(0.25, -1.0, GEOMETRY, left, right)
-    assert stage == pytest.approx((
+    assert stage[:5] == pytest.approx((
         0.275, -0.9, math.sqrt(3.0) * 0.005, math.sqrt(6.0) * 0.02,
         (math.sqrt(3.0) * 0.005 * 0.9 + math.sqrt(6.0) * 0.02 * 0.275) / (math.sqrt(12.0) * L)))
 
 
+def test_the_slip_of_a_body_has_its_bounds_in_the_stage():
+    body, turn = BodySlip(1e-4, 0.01, 4e-4, 'uniform'), 0.5
+    stage = stage_from_slip(1.0 - 0.5 * L * turn, 1.0 + 0.5 * L * turn, GEOMETRY, NONE, NONE, body)
+    assert stage[2:] == pytest.approx((
+        0.0, 0.0, math.sqrt(3.0 * (5.4e-3 + 1e-4 * turn**2) / 12.0), math.sqrt(3.0) * 0.01,
+        math.sqrt(3.0 * 5.4e-3)))
+
+
+def test_no_wheel_rests_where_the_body_slips():
+    """Guard pivots that are taken for one: the body turns about its own centre."""
+    stages = stages_of('one_wheel', 4, body=BODY)
+    polygon = boundary_of(stages)
+    assert excess(polygon, moved_by(stages, draws_of('faces', stages, 20_000))) < 1e-6
+
+
 def test_gaussian_slip_is_refused_and_gaussian_without_slip_is_not():
+    with pytest.raises(ValueError, match="^distribution of the body is 'gaussian'"):
+        stage_from_slip(0.1, 0.1, GEOMETRY, UNIFORM, UNIFORM, BodySlip(1e-6))
     with pytest.raises(ValueError, match="^distribution of the right wheel is 'gaussian'"):
         stage_from_slip(0.1, 0.1, GEOMETRY, UNIFORM, WheelSlip(0.0, 1e-6))
     assert stage_from_slip(0.1, 0.1, GEOMETRY, WheelSlip(), WheelSlip()).lateral_bound == 0.0
@@ -336,6 +371,8 @@ def test_gaussian_slip_is_refused_and_gaussian_without_slip_is_not():
     ({'pose': Pose(0.0, math.nan, 0.0)}, '^y is nan'),
     ({'left_bound': -0.1}, '^left_bound is -0.1'), ({'right_bound': math.inf}, '^right_bound'),
     ({'lateral_bound': math.nan}, '^lateral_bound is nan'),
+    ({'turn_bound': -0.1}, '^turn_bound is -0.1'),
+    ({'distance_bound': math.nan}, '^distance_bound is nan'),
     ({'left_bound': [0.1, 0.1]}, '^left_bound has 2 values, expected one or 1'),
     ({'most_vertices': 63}, '^most_vertices is 63')])
 def test_bad_values_are_refused_by_name(change, message):
