@@ -18,18 +18,19 @@ from dataclasses import dataclass
 import time
 from typing import Any, Mapping, Sequence
 
-from diffdrive_kinematics.core.commands import Drive, DriveSettings, STILL, Twist
+from diffdrive_kinematics.core.commands import Drive, DriveSettings, STILL, WheelCommand
 from diffdrive_kinematics.ros.inputs.command_intake import Backlog, CommandIntake, LATE_NS
 from diffdrive_kinematics.ros.inputs.command_type import CommandType
 from diffdrive_kinematics.ros.inputs.emergency_stop import EmergencyStop
 from diffdrive_kinematics.ros.inputs.publisher_watch import PublisherWatch
 from diffdrive_kinematics.ros.parameters.from_values import (
-    axis_limits, check_sides, check_wiring, wheel_geometry)
+    check_sides, check_wiring, drive_settings)
 from diffdrive_kinematics.ros.parameters.tables import DIFF_DRIVE_CONTROLLER
 from diffdrive_kinematics.ros.publishers.wheel_commands import WheelCommandPublisher
 from diffdrive_kinematics.ros.runtime.diagnostics import (
     heard_values, OK, quiet, RateSample, slowness, Status, unheard)
 from diffdrive_kinematics.ros.runtime.node import DiffDriveNode
+from diffdrive_kinematics.ros.runtime.one_shot_timer import OneShotTimer
 from diffdrive_kinematics.ros.runtime.rclpy_private import MessageInfo, UNKNOWN
 from diffdrive_kinematics.ros.runtime.running import main_of
 from rclpy.publisher import Publisher
@@ -51,11 +52,7 @@ def build(values: Mapping[str, Any]) -> Config:
     check_wiring(values, 'cmd_vel_topic', (
         'wheel_rates_topic', 'cmd_vel_out_topic', 'wheel_commands_topic', 'emergency_stop_topic'))
     check_sides(values)
-    settings = DriveSettings(
-        wheel_geometry(values), axis_limits(values, 'linear.x'), axis_limits(values, 'angular.z'),
-        max_wheel_rate=values['max_wheel_rate'], cmd_vel_timeout=values['cmd_vel_timeout'],
-        publish_rate=values['publish_rate'])
-    return Config(settings, values)
+    return Config(drive_settings(values), values)
 
 
 class DiffDriveController(DiffDriveNode[Config]):
@@ -81,6 +78,7 @@ class DiffDriveController(DiffDriveNode[Config]):
         self._stop = EmergencyStop(
             self, values['emergency_stop_topic'], self._on_stop, self._on_release)
         self._timer = runtime.every(values['publish_rate'], self._tick)
+        self._step_timer = OneShotTimer(runtime, self._step)
         self._watchdog: Any = None
         self._set_watchdog(self.config.drive.cmd_vel_timeout)
         self.parameters.on_change(self._configure)
@@ -104,9 +102,9 @@ class DiffDriveController(DiffDriveNode[Config]):
         if self._is_over(now_ns - LATE_NS):
             self._drive = self._drive.resumed(now_ns)  # nobody was told that it ended
         try:
-            self._command(twist, stamp_ns)
+            self._carry_out(*self._drive.commanded(twist, stamp_ns))
         except ValueError:
-            self._command(STILL, now_ns)
+            self._carry_out(*self._drive.commanded(STILL, now_ns))
             raise
         if age_ns > LATE_NS:
             timeout_ns = round(self.config.drive.cmd_vel_timeout * 1e9)  # since it was sent
@@ -115,23 +113,26 @@ class DiffDriveController(DiffDriveNode[Config]):
             self._command_steady_ns = time.monotonic_ns()
             self._obey_without_clock()
 
-    def _command(self, twist: Twist, stamp_ns: int) -> None:
-        self._drive, changes = self._drive.commanded(twist, stamp_ns)
+    def _carry_out(self, drive: Drive, changes: Sequence[WheelCommand]) -> None:
+        self._drive = drive
         self._out.publish(changes)
+        self._step_timer.set_to(drive.step_ns)
 
-    def _tick(self) -> None:
+    def _step(self) -> int:
+        """Take the steps of a ramp that are due, and return the time [ns]."""
         now_ns = self._synchronised_now()
         if self._is_over(now_ns):
             self._hear_backlog()
             now_ns = self._synchronised_now()
-        drive, changes = self._drive.advanced(now_ns)
-        self._drive = drive
-        told = drive.command_at(now_ns)
-        passed_ns = told.stamp_ns - (changes[-1].stamp_ns if changes else self._out.last_ns)
-        if passed_ns and (passed_ns >= drive.settings.period_ns
-                          or not changes and self.health.sent == self._sent_by_tick):
-            changes.append(told)  # else it was said since the last tick
-        self._out.publish(changes)
+        self._carry_out(*self._drive.advanced(now_ns))
+        return now_ns
+
+    def _tick(self) -> None:
+        now_ns = self._step()
+        told = self._drive.command_at(now_ns)
+        passed_ns, said = told.stamp_ns - self._out.last_ns, self.health.sent > self._sent_by_tick
+        if passed_ns and not (said and passed_ns < self._timer.timer_period_ns):
+            self._out.publish([told])
         self._sent_by_tick = self.health.sent
         if not self.health.statistics.count:
             self.commands.look_for_others(now_ns)
@@ -164,8 +165,7 @@ class DiffDriveController(DiffDriveNode[Config]):
         if self._drive.deadline_ns != deadline_ns:
             return
         now_ns = self._synchronised_now()
-        self._drive, changes = self._drive.ended_by(now_ns).advanced(now_ns)
-        self._out.publish(changes)
+        self._carry_out(*self._drive.ended_by(now_ns).advanced(now_ns))
 
     def on_clock_look(self, stood_s: float) -> None:
         """Bring the wheels to rest where a clock that stands does not."""
@@ -218,9 +218,9 @@ class DiffDriveController(DiffDriveNode[Config]):
     def _configure(self, config: Config) -> None:
         timeout = self._drive.settings.cmd_vel_timeout
         self._intake.configure(config.values)
-        self._drive, changes = self._drive.configured(config.drive, self._synchronised_now())
-        self._out.publish(changes)
-        self._timer = self.runtime.retimed(self._timer, config.drive.publish_rate, self._tick)
+        self._carry_out(*self._drive.configured(config.drive, self._synchronised_now()))
+        self._timer = self.runtime.retimed(
+            self._timer, config.values['publish_rate'], self._tick)
         if timeout != config.drive.cmd_vel_timeout:  # else what is silent goes on to be
             self._set_watchdog(config.drive.cmd_vel_timeout)
 

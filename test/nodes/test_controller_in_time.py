@@ -189,6 +189,55 @@ def test_a_wall_clock_that_is_set_back_does_not_put_off_a_stop_in_mid_ramp(robot
     assert driven.speed() == 0.0
 
 
+@pytest.mark.parametrize('clock', [SetClock, WallClock])
+def test_a_ramp_steps_at_its_own_rate_however_rarely_the_rates_are_repeated(robot, clock):
+    driven = robot(clock, publish_rate=0.01, cmd_vel_timeout=0.3, **RAMPS)
+    driven.command(SPEED)
+    driven.wait(0.29)
+    up = [message.velocity[0] * 0.021 for message in driven.told]
+    assert up == pytest.approx([0.005 * (k + 1) for k in range(len(up))]) and len(up) == 29
+    driven.wait(0.4)
+    assert driven.speed() == 0.0, 'the end of a command does not wait for a repeat'
+    down = [message.velocity[0] * 0.021 for message in driven.told[30:]]
+    assert down == pytest.approx([0.145 - 0.005 * k for k in range(len(down))])
+
+
+@pytest.mark.parametrize('clock', [SetClock, WallClock])
+def test_when_a_ramp_is_over_its_timer_rests(robot, clock):
+    driven = robot(clock, publish_rate=0.01, cmd_vel_timeout=0.0, **RAMPS)
+    timer = driven.node._step_timer._timer
+    for command in (SPEED, 0.1, 0.0):
+        driven.wait(0.1, command)
+        assert timer.next_ns - driven.clock.now_ns() <= STEP
+        driven.wait(0.5, command)
+        assert timer.next_ns - driven.clock.now_ns() > 1000 * S
+    driven.wait(0.1, SPEED)
+    driven.node._halt()
+    driven.wait(0.1)
+    assert timer.next_ns - driven.clock.now_ns() > 1000 * S and driven.speed() == 0.0
+
+
+@pytest.mark.parametrize('step', [-3600 * S, -S * 9 // 10, 3600 * S])
+def test_a_ramp_goes_on_at_its_pace_when_the_wall_clock_is_set(robot, step):
+    driven = robot(WallClock, publish_rate=0.01, cmd_vel_timeout=0.0, **RAMPS)
+    driven.wait(0.2, SPEED)
+    driven.clock.ahead_ns += step
+    driven.wait(0.1, SPEED)
+    assert driven.speed() == pytest.approx(0.15, abs=0.006)
+    driven.wait(0.2, SPEED)
+    assert driven.speed() == pytest.approx(SPEED)
+
+
+def test_another_update_rate_holds_in_mid_ramp(robot):
+    driven = robot(publish_rate=0.01, cmd_vel_timeout=0.0, **RAMPS)
+    driven.wait(0.1, SPEED)
+    driven.configure(update_rate=20.0)
+    told = len(driven.told)
+    driven.wait(0.2)
+    steps = [message.velocity[0] * 0.021 for message in driven.told[told - 1:]]
+    assert [b - a for a, b in zip(steps, steps[1:])] == pytest.approx([0.5 / 20.0] * 4)
+
+
 @pytest.mark.parametrize('step', [-S * 3 // 10, -S * 8 // 10])
 def test_stamped_commands_are_obeyed_at_once_when_the_wall_clock_was_set_back(robot, step):
     driven = robot(WallClock, enable_stamped_cmd_vel=True)

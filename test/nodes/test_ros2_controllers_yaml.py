@@ -26,7 +26,7 @@ YAML of ros2_controllers' ``diff_drive_controller`` gives the velocities that it
   planned, within the jerk limit, which may be by a step smaller before.
 * A limit whose partner is NaN: there ``min_velocity`` without ``max_velocity``, a braking rate
   without ``max_acceleration`` and ``min_jerk`` without ``max_jerk`` do not count; here they do.
-* The step: there it is the period of the controller manager; here it is 1 / ``publish_rate``.
+* The step: there it is the period of the controller manager; here it is 1 / ``update_rate``.
 """
 
 import math
@@ -36,13 +36,13 @@ import random
 from diffdrive_kinematics.core.commands import AxisLimits
 from diffdrive_kinematics.nodes.diff_drive_controller import DiffDriveController
 import pytest
-from support.graph import KHEPERA, twist
-from support.inside import inside
+from support.graph import KHEPERA, stamp_ns, twist
+from support.inside import inside, START_NS
 from support.marks import rest_slow
 import yaml
 
 DATA = Path(__file__).parents[1] / 'data' / 'ros2_controllers'
-DT_NS = 20_000_000
+DT_NS = 10_000_000  # of the default update_rate
 DT = DT_NS / 1e9
 STEPS = 2000
 NAN = math.nan
@@ -242,9 +242,21 @@ def test_a_step_through_zero_speeds_up_at_its_own_rate_here_and_at_the_brakes_th
     assert limited == pytest.approx(-1.0 * (DT - 0.05 / 10.0), abs=1e-15)
 
 
-def test_the_step_of_the_limits_is_the_period_of_publish_rate():
-    slow = {'publish_rate': 10.0, 'linear.x.max_acceleration': 1.0,
-            'publish_limited_velocity': True}
+@pytest.mark.parametrize('publish_rate', [10.0, 25.0, 1000.0])
+@pytest.mark.parametrize('rate', [{}, {'update_rate': 40.0}], ids=['as there', '40 Hz'])
+def test_the_step_of_the_limits_is_the_period_of_update_rate_as_there(publish_rate, rate):
+    """There the controller manager has one, of 100 Hz; how often it publishes says nothing."""
+    period = 1.0 / rate.get('update_rate', 100.0)
+    slow = {'publish_rate': publish_rate, 'linear.x.max_acceleration': 1.0,
+            'publish_limited_velocity': True, 'cmd_vel_timeout': 0.0, **rate}
     with inside(DiffDriveController, {**KHEPERA, **slow}) as held:
-        held.hear('/cmd_vel', twist(1.0, 0.0))
-        assert held.said['/cmd_vel_out'][-1].twist.linear.x == pytest.approx(0.1, abs=1e-15)
+        held.hear('/cmd_vel', twist(10.0, 0.0))
+        for ms in range(1, 200):
+            held.advance_to(START_NS + ms * 10**6)
+        said = held.said['/cmd_vel_out']
+    steps = [(stamp_ns(message) - stamp_ns(said[0]), message.twist.linear.x) for message in said]
+    changes = [steps[0], *(
+        after for before, after in zip(steps, steps[1:]) if after[1] != before[1])]
+    assert changes == [
+        (round(k * period * 1e9), pytest.approx((k + 1) * period, abs=1e-12))
+        for k in range(round(0.2 / period))]

@@ -133,7 +133,7 @@ def could_end(law, start, change, fall, end, dt):
 
 def check_step(old, new, goal, came_anew):
     """Hold a step of a drive, from one state to the next, against the laws."""
-    settings, dt = old.settings, 1.0 / old.settings.publish_rate
+    settings, dt = old.settings, 1.0 / old.settings.update_rate
     for axis, limits in zip(AXES, (settings.linear, settings.angular)):
         law, start, end, aim = Law.of(limits), old.twist[axis], new.twist[axis], goal[axis]
         low, high = min(start, aim), max(start, aim)

@@ -43,7 +43,7 @@ class DriveSettings:
         Bound of both wheel rates [rad/s]; NaN = none.
     cmd_vel_timeout : float
         Age [s] at which a command ends and the drive brakes; 0 = never.
-    publish_rate : float
+    update_rate : float
         Rate [Hz] of the grid on which ramps step.
 
     Raises
@@ -54,9 +54,9 @@ class DriveSettings:
     Examples
     --------
     >>> settings = DriveSettings(
-    ...     WheelGeometry(0.5, 0.125), AxisLimits(max_acceleration=1.0), publish_rate=100.0)
+    ...     WheelGeometry(0.5, 0.125), AxisLimits(max_acceleration=1.0), update_rate=50.0)
     >>> settings.ramps, settings.period_ns, settings.wheel_bound
-    (True, 10000000, None)
+    (True, 20000000, None)
 
     """
 
@@ -65,11 +65,11 @@ class DriveSettings:
     angular: AxisLimits = AxisLimits()
     max_wheel_rate: float = math.nan
     cmd_vel_timeout: float = 0.5
-    publish_rate: float = 50.0
+    update_rate: float = 100.0
 
     def __post_init__(self) -> None:
         check_duration('cmd_vel_timeout', self.cmd_vel_timeout)
-        check_rate('publish_rate', self.publish_rate)
+        check_rate('update_rate', self.update_rate)
         if self.max_wheel_rate <= 0.0:
             raise ValueError(
                 f'max_wheel_rate is {self.max_wheel_rate!r}, expected above 0, or NaN')
@@ -88,4 +88,4 @@ class DriveSettings:
     @cached_property
     def period_ns(self) -> int:
         """Length of a step of the ramp [ns]."""
-        return max(1, round(NANOSECONDS / self.publish_rate))
+        return max(1, round(NANOSECONDS / self.update_rate))

@@ -193,7 +193,7 @@ class DriveState(NamedTuple):
         twist, settled, held_back = goal, not settings.ramps, False
         if settings.ramps:
             v, w, held_back = ramp_step(
-                goal, current=self.twist, before=self.before, dt=1.0 / settings.publish_rate,
+                goal, current=self.twist, before=self.before, dt=1.0 / settings.update_rate,
                 linear=settings.linear, angular=settings.angular, bound=settings.wheel_bound)
             twist = Twist(v, w)
             rates = self._saturated(twist)[1]  # within the bound to the last digit

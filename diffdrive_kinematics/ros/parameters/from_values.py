@@ -17,14 +17,14 @@
 import math
 from typing import Any, List, Mapping, Sequence, Tuple
 
-from diffdrive_kinematics.core.commands import AxisLimits
+from diffdrive_kinematics.core.commands import AxisLimits, DriveSettings
 from diffdrive_kinematics.core.kinematics import Command, WheelGeometry
 from diffdrive_kinematics.core.noise import SessionSpread, WheelSlip
 from diffdrive_kinematics.ros.parameters.tables import LIMITS, SWITCHES
 
 __all__ = [
-    'axis_limits', 'check_sides', 'check_wiring', 'commands_from', 'session_spread',
-    'wheel_geometry', 'wheel_radii', 'wheel_slips']
+    'axis_limits', 'check_sides', 'check_wiring', 'commands_from', 'drive_settings',
+    'session_spread', 'wheel_geometry', 'wheel_radii', 'wheel_slips']
 
 Values = Mapping[str, Any]
 
@@ -68,6 +68,14 @@ def commands_from(numbers: Sequence[float]) -> List[Command]:
             f'commands has {len(numbers)} numbers, expected three for each command: v, omega, '
             'duration')
     return [Command(*numbers[i:i + 3]) for i in range(0, len(numbers), 3)]
+
+
+def drive_settings(values: Values) -> DriveSettings:
+    """Return the settings of a controller's values; ``ValueError`` names what is wrong."""
+    return DriveSettings(
+        wheel_geometry(values), axis_limits(values, 'linear.x'),
+        axis_limits(values, 'angular.z'), max_wheel_rate=values['max_wheel_rate'],
+        cmd_vel_timeout=values['cmd_vel_timeout'], update_rate=values['update_rate'])
 
 
 def axis_limits(values: Values, axis: str) -> AxisLimits:

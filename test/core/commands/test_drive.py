@@ -27,14 +27,14 @@ import pytest
 LAW = settings(deadline=None, derandomize=True)
 MS = 1_000_000
 S = 1000 * MS
-PERIOD = 20 * MS  # of the default publish_rate
+PERIOD = 20 * MS  # of an update_rate of 50
 GEOMETRY = WheelGeometry(0.5, 0.1)
 UNIT = WheelGeometry(1.0, 1.0)  # straight ahead, wheel rate = speed
 PLAIN = DriveSettings(GEOMETRY)
 ENDLESS = DriveSettings(GEOMETRY, cmd_vel_timeout=0.0)
 RAMPS = DriveSettings(
     GEOMETRY, AxisLimits(max_velocity=2.0, max_acceleration=1.0, max_deceleration=-2.0),
-    AxisLimits(max_acceleration=3.0, max_jerk=100.0))
+    AxisLimits(max_acceleration=3.0, max_jerk=100.0), update_rate=50.0)
 BOUNDED = replace(PLAIN, max_wheel_rate=8.0)
 EVERYTHING = replace(RAMPS, max_wheel_rate=8.0)
 SETTINGS = st.sampled_from([PLAIN, ENDLESS, RAMPS, BOUNDED, EVERYTHING])
@@ -143,7 +143,7 @@ def test_without_ramps_a_command_is_answered_at_its_stamp():
 
 LINE = DriveSettings(
     UNIT, AxisLimits(max_acceleration=1.0, max_deceleration=-2.0), cmd_vel_timeout=10.0,
-    publish_rate=4.0)  # steps of 1/4 s: up by 0.25, down by 0.5
+    update_rate=4.0)  # steps of 1/4 s: up by 0.25, down by 0.5
 
 
 def test_a_ramp_steps_on_the_grid_that_its_command_began():
@@ -243,7 +243,7 @@ def test_the_axis_that_grows_takes_the_room_that_the_other_makes():
     """Right wheel: v + w, bound 1; v brakes by 0.1 a step, w is free."""
     settings = DriveSettings(
         WheelGeometry(2.0, 1.0), AxisLimits(max_deceleration=-0.1), AxisLimits(),
-        max_wheel_rate=1.0, cmd_vel_timeout=0.0, publish_rate=1.0)
+        max_wheel_rate=1.0, cmd_vel_timeout=0.0, update_rate=1.0)
     _, changes = driven(settings, [(1, Twist(1.0, 0.0)), (5 * S, Twist(0.0, 1.0))], end=6 * S)
     assert [change.twist for change in changes] == [
         pytest.approx(twist, abs=1e-14) for twist in ((1.0, 0.0), (0.9, 0.1), (0.8, 0.2))]
@@ -352,7 +352,7 @@ def test_a_command_that_is_not_finite_or_absurd_is_refused(target):
 
 @pytest.mark.parametrize(('name', 'value'), [
     ('cmd_vel_timeout', -1.0), ('cmd_vel_timeout', math.nan), ('cmd_vel_timeout', math.inf),
-    ('publish_rate', 0.0), ('publish_rate', -1.0), ('publish_rate', math.nan),
+    ('update_rate', 0.0), ('update_rate', -1.0), ('update_rate', math.nan),
     ('max_wheel_rate', 0.0), ('max_wheel_rate', -1.0)])
 def test_a_bad_setting_is_refused_by_name(name, value):
     with pytest.raises(ValueError, match=f'^{name} is {value!r}'):
@@ -360,7 +360,7 @@ def test_a_bad_setting_is_refused_by_name(name, value):
 
 
 @pytest.mark.parametrize('extreme', [
-    {'cmd_vel_timeout': 1e300}, {'linear': LINE.linear, 'publish_rate': 1e-300}])
+    {'cmd_vel_timeout': 1e300}, {'linear': LINE.linear, 'update_rate': 1e-300}])
 def test_an_extreme_setting_is_refused_or_works(extreme):
     try:
         settings = replace(PLAIN, **extreme)
@@ -402,11 +402,11 @@ def test_a_drive_that_is_halted_stands_from_then_on_however_often_and_whatever_w
 def test_a_change_of_the_rate_during_a_ramp_does_not_make_it_steeper(rate):
     """Guard 50 m/s^2 where 1 m/s^2 is allowed."""
     limits = AxisLimits(max_acceleration=1.0)
-    drive = Drive(DriveSettings(LINE.geometry, limits, publish_rate=50.0, cmd_vel_timeout=0.0), 0)
+    drive = Drive(DriveSettings(LINE.geometry, limits, update_rate=50.0, cmd_vel_timeout=0.0), 0)
     drive, told = drive.commanded(Twist(3.0, 0.0), S)
     drive, more = drive.advanced(S + 105 * MS)
     told += more
-    drive, more = drive.configured(replace(drive.settings, publish_rate=rate), S + 105 * MS)
+    drive, more = drive.configured(replace(drive.settings, update_rate=rate), S + 105 * MS)
     told += more + drive.advanced(9 * S)[1]
     for before, after in zip(told, told[1:]):
         seconds = (after.stamp_ns - before.stamp_ns) / 1e9
@@ -416,11 +416,11 @@ def test_a_change_of_the_rate_during_a_ramp_does_not_make_it_steeper(rate):
 
 def test_a_rate_that_is_changed_again_and_again_does_not_hold_a_ramp_up():
     limits = AxisLimits(max_acceleration=0.5)
-    settings = DriveSettings(UNIT, limits, publish_rate=50.0, cmd_vel_timeout=0.0)
+    settings = DriveSettings(UNIT, limits, update_rate=50.0, cmd_vel_timeout=0.0)
     drive, _ = Drive(settings, 0).commanded(Twist(0.5, 0.0), S)
     for k in range(1, 201):
         now = S + k * 15 * MS
-        drive, _ = drive.configured(replace(settings, publish_rate=[50.0, 40.0][k % 2]), now)
+        drive, _ = drive.configured(replace(settings, update_rate=[50.0, 40.0][k % 2]), now)
         allowed = min(0.5, 0.5 * (now - S) / 1e9)
         assert 0.5 * allowed - 0.02 <= drive.twist.v <= allowed + 0.02
     assert drive.twist.v == 0.5

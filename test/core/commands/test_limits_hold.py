@@ -70,7 +70,7 @@ class Driver:
     def configure(self, settings, time_ns):
         self.to(time_ns)
         before, rate_before = (
-            self.drive._replace(settings=settings), self.drive.settings.publish_rate)
+            self.drive._replace(settings=settings), self.drive.settings.update_rate)
         self.drive = self.drive.configured(settings, time_ns)[0]
         self._check_end(before, time_ns)
         factor = share_within(settings, before.twist) if settings.ramps else 1.0
@@ -86,8 +86,8 @@ class Driver:
             for axis in AXES:
                 was, is_now = (
                     (drive.twist[axis] - drive.before[axis]) * rate for drive, rate in (
-                        (before, rate_before), (self.drive, settings.publish_rate)))
-                assert is_now == pytest.approx(was, rel=1e-5, abs=DIGITS * settings.publish_rate)
+                        (before, rate_before), (self.drive, settings.update_rate)))
+                assert is_now == pytest.approx(was, rel=1e-5, abs=DIGITS * settings.update_rate)
             check_state(self.drive)
 
     def _check_end(self, before, time_ns):
@@ -148,10 +148,10 @@ class World:
         other = self.settings()
         names = self.random.choice([
             ('linear',), ('angular',), ('linear', 'angular'), ('max_wheel_rate',), ('geometry',),
-            ('geometry', 'max_wheel_rate', 'linear'), ('publish_rate',), ('cmd_vel_timeout',), ()])
-        if 'publish_rate' in names:
+            ('geometry', 'max_wheel_rate', 'linear'), ('update_rate',), ('cmd_vel_timeout',), ()])
+        if 'update_rate' in names:
             self.rate *= 3.0 ** self.random.uniform(-1.0, 1.0)
-            return replace(settings, publish_rate=self.rate)
+            return replace(settings, update_rate=self.rate)
         return replace(settings, **{name: getattr(other, name) for name in names})
 
     def command(self):
@@ -163,7 +163,7 @@ def time_to_rest(drive, equal):
     axes = [Law.of(limits).to_stand(velocity) for velocity, limits in zip(
         drive.twist, (drive.settings.linear, drive.settings.angular))]
     together = equal or math.isnan(drive.settings.max_wheel_rate)
-    return (max if together else sum)(axes) + 4.0 / drive.settings.publish_rate
+    return (max if together else sum)(axes) + 4.0 / drive.settings.update_rate
 
 
 @pytest.mark.parametrize('block', rest_slow(range(BLOCKS)))

@@ -42,7 +42,7 @@ def robot():
         for axis in ('linear.x.', 'angular.z.'))
     return DriveSettings(
         WheelGeometry(shared['wheel_separation'], shared['wheel_radius']), linear, angular,
-        own['max_wheel_rate'], 0.0, own['publish_rate'])
+        own['max_wheel_rate'], 0.0, own['update_rate'])
 
 
 def steered(settings, *targets, seconds=4):
@@ -58,7 +58,7 @@ def steered(settings, *targets, seconds=4):
 
 def steepest(settings, twists, axis):
     """Return the largest acceleration between two steps."""
-    return settings.publish_rate * max(
+    return settings.update_rate * max(
         (abs(after[axis] - before[axis]) for before, after in zip(twists, twists[1:])),
         default=0.0)
 
@@ -94,7 +94,8 @@ def test_commands_within_a_speed_never_lead_beyond_it_whatever_the_jerk(limits, 
 
 @pytest.mark.parametrize('stop', [STILL, Twist(-1.0, 0.0)])
 def test_a_stop_does_not_wait_for_the_jerk_to_turn_the_acceleration_round(stop):
-    settings = DriveSettings(GEOMETRY, AxisLimits(max_jerk=1.0), cmd_vel_timeout=0.0)
+    settings = DriveSettings(
+        GEOMETRY, AxisLimits(max_jerk=1.0), cmd_vel_timeout=0.0, update_rate=50.0)
     drive, _ = Drive(settings, 0).commanded(Twist(2.0, 0.0), 0)
     drive, _ = drive.advanced(S)
     speed, gain = drive.twist.v, drive.twist.v - drive.before.v
@@ -125,7 +126,7 @@ def test_the_shipped_robot_keeps_its_accelerations_within_its_wheels(first, seco
 
 SLOW = DriveSettings(
     GEOMETRY, AxisLimits(max_acceleration=0.5), AxisLimits(max_acceleration=12.0),
-    max_wheel_rate=10.0, publish_rate=100.0, cmd_vel_timeout=0.0)
+    max_wheel_rate=10.0, update_rate=100.0, cmd_vel_timeout=0.0)
 
 
 @pytest.mark.parametrize('target', [(0.0, 4.0), (1.0, 4.0), (-1.0, 4.0)])

@@ -41,7 +41,7 @@ def axis(name):
 SETTINGS = DriveSettings(
     WheelGeometry(SHARED['wheel_separation'], SHARED['wheel_radius']), axis('linear.x'),
     axis('angular.z'), VALUES['max_wheel_rate'], VALUES['cmd_vel_timeout'],
-    VALUES['publish_rate'])
+    VALUES['update_rate'])
 LIMITS = SteeringLimits(max_speed=0.2, max_yaw_rate=1.5)
 LAWS = {
     'heading': HeadingRegulator(limits=LIMITS), 'point': PointForward(limits=LIMITS),

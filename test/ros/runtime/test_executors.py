@@ -105,6 +105,26 @@ def test_a_robot_drives_and_stops_on_every_executor(graph, executor, tmp_path):
     assert odometry[-1].pose.pose.position.x == pytest.approx(0.02, rel=1e-9)
 
 
+@pytest.mark.parametrize('executor', ['single_threaded', 'events', 'auto'])
+def test_a_ramp_steps_at_its_own_rate_on_every_executor(graph, executor):
+    graph.start('diff_drive_controller', {
+        **KHEPERA, 'executor': executor, 'cmd_vel_timeout': 0.0, 'publish_rate': 0.01,
+        'linear.x.max_acceleration': 1.0})
+    told = []
+    graph.collect(JointState, 'wheel_rates', lambda message: told.append(
+        (stamp_ns(message), message.velocity[0] * KHEPERA['wheel_radius'])))
+    commands = graph.publisher(Twist, 'cmd_vel')
+    for speed in (0.1, 0.0):
+        commands.publish(twist(speed, 0.0))
+        graph.wait_for(lambda v=speed: told and told[-1][1] == pytest.approx(v), 'the ramp')
+    steps = [told[0], *(after for before, after in zip(told, told[1:])
+                        if abs(after[1] - before[1]) > 1e-12)]  # what rounding left is one, too
+    assert [v for _, v in steps] == pytest.approx(
+        [0.01 * k for k in (*range(1, 11), *range(9, -1, -1))])
+    for ramp in (steps[:10], steps[10:]):
+        assert [stamp - ramp[0][0] for stamp, _ in ramp] == [10_000_000 * k for k in range(10)]
+
+
 def test_an_executor_that_there_is_not_is_refused(graph):
     base = graph.start('simulated_base', {**KHEPERA, 'executor': 'multi_threaded'})
     assert graph.wait_for(lambda: not base.running, 'the end') and base.wait() == 2

@@ -80,7 +80,9 @@ DIFF_DRIVE_CONTROLLER = (
          'the senders of commands shows [s]; NaN: unknown, neither stamps count nor when a '
          'command was sent',
          check=check_offset),
-    Spec('publish_rate', 50.0, 'rate [Hz] at which the wheel rates are repeated and ramps step',
+    Spec('publish_rate', 50.0, 'rate [Hz] at which the wheel rates are repeated',
+         check=check_rate),
+    Spec('update_rate', 100.0, 'rate [Hz] at which ramps step; each step is published',
          check=check_rate),
     Spec('max_wheel_rate', math.nan, 'bound [rad/s] of all wheels; beyond it both sides are '
          'scaled by one factor, so that the path keeps its curvature; NaN: none'),
