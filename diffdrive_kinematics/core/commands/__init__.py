@@ -16,11 +16,13 @@
 From what is asked for to what the wheels are told, over time.
 
 Limits of velocity, acceleration and jerk, the bound of the wheel rates, the drive that ramps and
-times out; who of several viewers drives; courses to drive: recordings and the square of UMBmark;
-and steering laws, which find the command from where the robot is: :class:`HeadingRegulator`,
-:class:`PointForward`, :class:`PoseController`, and :class:`PurePursuit` along :class:`Waypoints`.
+times out; how a robot follows its commands; who of several viewers drives; courses to drive:
+recordings and the square of UMBmark; and steering laws, which find the command from where the
+robot is: :class:`HeadingRegulator`, :class:`PointForward`, :class:`PoseController`, and
+:class:`PurePursuit` along :class:`Waypoints`.
 """
 
+from diffdrive_kinematics.core.commands.command_response import CommandFor, CommandResponse
 from diffdrive_kinematics.core.commands.drive import Drive
 from diffdrive_kinematics.core.commands.drive_settings import DriveSettings
 from diffdrive_kinematics.core.commands.easing import eased, largest_change
@@ -41,9 +43,9 @@ from diffdrive_kinematics.core.commands.waypoints import Waypoints, waypoints_fr
 from diffdrive_kinematics.core.commands.wheel_command import STILL, Twist, WheelCommand
 
 __all__ = [
-    'AxisLimits', 'Course', 'Drive', 'DriveSettings', 'HeadingRegulator', 'Helm', 'Law',
-    'PointForward', 'PoseController', 'Progress', 'PurePursuit', 'PursuitCommand', 'QUARTER',
-    'RampStep', 'STILL', 'SaturatedRates', 'SteeringCommand', 'SteeringLimits', 'TimedTwist',
-    'Twist', 'Waypoints', 'WheelBound', 'WheelCommand', 'course_from_commands',
-    'course_from_recording', 'eased', 'largest_change', 'ramp_step', 'saturate', 'square_course',
-    'waypoints_from_poses', 'wheel_bound']
+    'AxisLimits', 'CommandFor', 'CommandResponse', 'Course', 'Drive', 'DriveSettings',
+    'HeadingRegulator', 'Helm', 'Law', 'PointForward', 'PoseController', 'Progress',
+    'PurePursuit', 'PursuitCommand', 'QUARTER', 'RampStep', 'STILL', 'SaturatedRates',
+    'SteeringCommand', 'SteeringLimits', 'TimedTwist', 'Twist', 'Waypoints', 'WheelBound',
+    'WheelCommand', 'course_from_commands', 'course_from_recording', 'eased', 'largest_change',
+    'ramp_step', 'saturate', 'square_course', 'waypoints_from_poses', 'wheel_bound']
