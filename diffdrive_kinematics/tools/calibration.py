@@ -14,18 +14,20 @@
 
 """What ``calibrate`` finds, from runs around a square or from recorded drives, as a table."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import count
 import math
 from typing import Any, Callable, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
 from diffdrive_kinematics.core.calibration import (
-    Clock, COMMANDED, fit_drive_slip, fit_squares, fit_trajectory, RecordedDrive, ReturnError,
-    slip_from_squares, TrajectoryFit, Windows, without_frozen_poses)
+    Clock, COMMANDED, fit_drive_slip, fit_sessions, fit_squares, fit_trajectory, RecordedDrive,
+    ReturnError, slip_from_squares, TrajectoryFit, Windows, without_frozen_poses)
 from diffdrive_kinematics.core.kinematics import WheelGeometry
 from diffdrive_kinematics.tools.calibration_remarks import (
     clock_remark, course_remarks, frame_remark, frozen_remark, KNOWN_BY_DRIVES, KNOWN_BY_RATIO,
     square_remarks)
+from diffdrive_kinematics.tools.calibration_sessions import (
+    session_parameters, session_remark, session_rows, THIS_SESSION_ONLY)
 from diffdrive_kinematics.tools.recordings import nobody
 
 __all__ = [
@@ -61,7 +63,8 @@ class Calibration:
 
     ``geometry`` has the corrected multipliers; ``slips`` are k (left, right) [m]. ``source`` is
     the result it comes from, and what that was given, for the picture. ``columns`` says what
-    the two numbers of each gain are.
+    the two numbers of each gain are. ``sessions`` are the parameters of what differs between
+    runs, where it is known.
     """
 
     method: str
@@ -72,6 +75,7 @@ class Calibration:
     remarks: Tuple[str, ...]
     source: Any
     columns: Tuple[str, str] = ('before', 'after')
+    sessions: Mapping[str, float] = field(default_factory=dict)
 
 
 def of_squares(
@@ -99,7 +103,7 @@ def of_squares(
         'UMBmark', after, (slip.value, slip.value), rows,
         (Gain('return error E_max,syst [mm]', 1e3 * result.error_before,
               1e3 * fit.predicted_error),),
-        (remark, *square_remarks(fit)), (result, clockwise, counterclockwise),
+        (remark, *square_remarks(fit), THIS_SESSION_ONLY), (result, clockwise, counterclockwise),
         ('measured', 'predicted'))
 
 
@@ -112,10 +116,13 @@ def of_drives(
     drives = [without_frozen_poses(drive, wheel_radius=geometry.wheel_radius) for drive in whole]
     rounds = count(1)
     keep = values['mean_radius'] == 'keep' or commands and not values['mean_radius']
+    windows = COMMANDED if commands else Windows()
     fit = fit_trajectory(
-        geometry, drives, clock=CLOCKS[clock], mean_radius=not keep,
-        windows=COMMANDED if commands else Windows(),
+        geometry, drives, clock=CLOCKS[clock], mean_radius=not keep, windows=windows,
         watch=lambda _: progress(f'fitting, iteration {next(rounds)}'))
+    progress('fitting each drive')
+    sessions = fit_sessions(
+        geometry, drives, fit, clock=CLOCKS[clock], mean_radius=not keep, windows=windows)
     progress('fitting the slip')
     after = fit.corrected(geometry)
     slip = fit_drive_slip(geometry, drives, fit, equal=values['equal_slip'])
@@ -129,7 +136,8 @@ def of_drives(
     elif clock != 'none':
         rows += _clock_rows(fit)
     rows += [Row('slip variance k left [m]', *slip.k_left),
-             Row('slip variance k right [m]', *slip.k_right)]
+             Row('slip variance k right [m]', *slip.k_right),
+             *(Row(*row) for row in session_rows(sessions))]
     gains = (
         Gain('position error of windows, RMS [mm]', 1e3 * fit.before.position,
              1e3 * fit.after.position),
@@ -139,8 +147,8 @@ def of_drives(
         'trajectory fit', after, (slip.k_left.value, slip.k_right.value), tuple(rows), gains,
         (*_remarks(fit, drives), KNOWN_BY_RATIO if keep else KNOWN_BY_DRIVES,
          *frozen_remark(whole, drives), *clock_remark(fit), *frame_remark(fit),
-         *course_remarks(geometry, drives)),
-        (fit, geometry, drives))
+         *course_remarks(geometry, drives), session_remark(sessions)),
+        (fit, geometry, drives), sessions=session_parameters(sessions))
 
 
 def _clock_rows(fit: TrajectoryFit) -> List[Row]:

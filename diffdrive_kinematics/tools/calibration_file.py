@@ -71,12 +71,15 @@ def params_text(calibration: Calibration, name: str) -> str:
     truth = {'left_wheel_radius_multiplier': 1.0, 'right_wheel_radius_multiplier': 1.0,
              'wheel_separation_multiplier': geometry.wheel_separation_multiplier,
              'left_slip_variance': 0.0, 'right_slip_variance': 0.0}
+    if calibration.sessions:
+        bias['wheel_separation_multiplier'] = geometry.wheel_separation_multiplier
+        truth.update(dict.fromkeys(calibration.sessions, 0.0))
     nominal = {'wheel_radius': geometry.wheel_radius,
                'wheel_separation': geometry.wheel_separation}
     lines = [
         HEAD.format(method=calibration.method, remark=calibration.remarks[0], name=name)
         .rstrip('\n'),
-        *_section('/**', {**nominal, **slips}), '', COMPENSATION,
+        *_section('/**', {**nominal, **slips, **calibration.sessions}), '', COMPENSATION,
         *(line for node in NODES for line in _section(f'/**/{node}', multipliers)), '', ROBOT,
         *_section('/**/wheel_noise', bias), *_section('/**/ground_truth', truth), '', STAY,
         *_section('/**/calibrate', multipliers)]

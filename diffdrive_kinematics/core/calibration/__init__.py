@@ -29,6 +29,8 @@ from diffdrive_kinematics.core.calibration.fit_setup import Clock, NO_FRAME
 from diffdrive_kinematics.core.calibration.gauss_newton import Iteration
 from diffdrive_kinematics.core.calibration.recorded_drive import (
     drive_from_positions, RecordedDrive, without_frozen_poses)
+from diffdrive_kinematics.core.calibration.session_fit import (
+    fit_sessions, SessionFit, spread_between)
 from diffdrive_kinematics.core.calibration.slip_fit import (
     fit_reference_noise, fit_slip, nees_per_dof)
 from diffdrive_kinematics.core.calibration.slip_result import NO_NOISE, ReferenceNoise, SlipFit
@@ -46,10 +48,10 @@ from diffdrive_kinematics.core.calibration.window_weights import Variances
 
 __all__ = [
     'COMMANDED', 'CalibrationParameters', 'Clock', 'Estimate', 'Iteration', 'NO_FRAME',
-    'NO_NOISE', 'RecordedDrive', 'ReferenceNoise', 'Residual', 'ReturnError', 'SlipFit',
-    'SlipWindow', 'SquareFit', 'TrajectoryFit', 'Umbmark', 'Variances', 'WindowResiduals',
-    'WindowSet', 'Windows', 'corrected', 'drift_pays', 'drive_from_commands',
+    'NO_NOISE', 'RecordedDrive', 'ReferenceNoise', 'Residual', 'ReturnError', 'SessionFit',
+    'SlipFit', 'SlipWindow', 'SquareFit', 'TrajectoryFit', 'Umbmark', 'Variances',
+    'WindowResiduals', 'WindowSet', 'Windows', 'corrected', 'drift_pays', 'drive_from_commands',
     'drive_from_positions', 'drive_from_rates', 'drive_from_ticks', 'fit_drive_slip',
-    'fit_reference_noise', 'fit_slip', 'fit_squares', 'fit_trajectory', 'linearised',
-    'nees_per_dof', 'odometry_at', 'slip_from_squares', 'slip_window', 'slip_windows', 'umbmark',
-    'windows_between', 'without_frozen_poses']
+    'fit_reference_noise', 'fit_sessions', 'fit_slip', 'fit_squares', 'fit_trajectory',
+    'linearised', 'nees_per_dof', 'odometry_at', 'slip_from_squares', 'slip_window',
+    'slip_windows', 'spread_between', 'umbmark', 'windows_between', 'without_frozen_poses']
