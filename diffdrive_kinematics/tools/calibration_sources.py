@@ -20,7 +20,7 @@ from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Sequence, Tup
 from diffdrive_kinematics.core.calibration import (
     drive_from_commands, drive_from_positions, drive_from_rates, drive_from_ticks,
     RecordedDrive, ReturnError)
-from diffdrive_kinematics.core.kinematics import Pose, WheelGeometry
+from diffdrive_kinematics.core.kinematics import LARGEST, Pose, WheelGeometry
 from diffdrive_kinematics.tools.bag_drives import add_bag, COMMANDS, Read
 from diffdrive_kinematics.tools.bags import is_bag
 from diffdrive_kinematics.tools.collection import Collection
@@ -229,14 +229,15 @@ def _drive(
 
 
 def _rows(path: str, rows: Array, columns: Sequence[str], *, commands: bool = False) -> Array:
-    """Return the rows if there are enough, all finite, with stamps that are seconds."""
+    """Return the rows if they are enough, with stamps in seconds and numbers that can be."""
     if len(rows) < 2:
         raise ValueError(f'{path} has {len(rows)} rows, expected at least 2')
-    finite = np.isfinite(rows).all(axis=1)
-    if not finite.all():
-        number = int(np.argmin(finite))
+    bad = ~(np.abs(rows) <= LARGEST)
+    bad[:, 0] = ~np.isfinite(rows[:, 0])  # what stamps can be is said below
+    if bad.any():
+        row, column = np.argwhere(bad)[0]
         raise ValueError(
-            f'{path}, row {number + 1}: {rows[number].tolist()}, expected finite numbers in '
-            f'{list(columns)!r}')
+            f'{path}, row {row + 1}: {columns[column]} is {rows[row, column]:.15g}, expected a '
+            f'finite number within +-{LARGEST:g}')
     check_stamps(path, rows[:, 0], commands=commands)
     return rows

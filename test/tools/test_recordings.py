@@ -106,6 +106,26 @@ def test_a_first_row_from_before_the_epoch_is_named(tmp_path):
     assert 'row 1: time_sec is 0' in text and 'delete' in text
 
 
+@pytest.mark.parametrize('value', [1e300, -1e13, math.inf, math.nan])
+@pytest.mark.parametrize('kind', [POSITIONS, RATES, COMMANDS])
+def test_a_value_that_cannot_be_is_named_with_its_row_and_column(tmp_path, kind, value):
+    for column, name in enumerate(kind.split(',')):
+        rows = drive(kind)
+        rows[99][column] = value
+        text = refusal(written(tmp_path / 'a.csv', kind, rows))
+        assert f'row 100: {name} is {value:.15g}' in text
+
+
+def test_a_pose_of_another_file_that_cannot_be_is_named_with_its_file(tmp_path):
+    rows = drive()
+    motion = written(tmp_path / 'a.csv', POSITIONS, rows)
+    rows[99][4] = 1e300
+    reference = str(tmp_path / 'b.csv')
+    written(tmp_path / 'b.csv', 'time_sec,x,y,yaw', [[row[0], *row[3:]] for row in rows])
+    with pytest.raises(ValueError, match=r'b\.csv, row 100: y is 1e\+300, expected'):
+        calibrated(motion, reference)
+
+
 def test_yaw_in_degrees_is_named_with_its_column(tmp_path):
     for wrapped in (True, False):
         rows = drive()
