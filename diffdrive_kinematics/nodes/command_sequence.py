@@ -16,10 +16,10 @@
 
 from dataclasses import dataclass
 from importlib import import_module
-from typing import Any, Dict, List, Mapping, Sequence, Set
+from typing import Any, Dict, List, Mapping, Sequence, Set, Tuple
 
 from diffdrive_kinematics.core.commands import (
-    Course, course_from_commands, course_from_recording, square_course)
+    Course, course_from_commands, course_from_recording, square_course, square_rounds, SquareRun)
 from diffdrive_kinematics.core.kinematics import Command
 from diffdrive_kinematics.ros.messages.codec import TwistCodec
 from diffdrive_kinematics.ros.parameters.from_values import commands_from
@@ -42,6 +42,7 @@ class Config:
 
     course: Course
     values: Mapping[str, Any]
+    runs: Tuple[SquareRun, ...] = ()
 
 
 def build(values: Mapping[str, Any]) -> Config:
@@ -56,9 +57,9 @@ def build(values: Mapping[str, Any]) -> Config:
             f"{', '.join(f'{name} is {value!r}' for name, value in sources.items())}, expected "
             'exactly one of them to be set')
     if not values['recording']:
-        commands = (commands_from(values['commands']) if values['commands']
-                    else _square(values))
-        return Config(course_from_commands(commands), values)
+        commands, runs = (_squares(values) if values['square_side']
+                          else (commands_from(values['commands']), []))
+        return Config(course_from_commands(commands), values, tuple(runs))
     try:
         return Config(course_from_recording(
             read_commands(values['recording'], values['cmd_vel_topic'])), values)
@@ -66,12 +67,16 @@ def build(values: Mapping[str, Any]) -> Config:
         raise ValueError(f"recording is {values['recording']!r}: {error}") from error
 
 
-def _square(values: Mapping[str, Any]) -> List[Command]:
-    """Return the square of UMBmark; ``ValueError`` names the parameter."""
+def _squares(values: Mapping[str, Any]) -> Tuple[List[Command], List[SquareRun]]:
+    """Return the square of UMBmark, once or more often; ``ValueError`` names the parameter."""
+    square = {name: values[f'square_{name}'] for name in (
+        'side', 'speed', 'yaw_rate', 'corner_radius', 'pause')}
+    clockwise = values['square_clockwise']
     try:
-        return square_course(**{
-            name: values[f'square_{name}'] for name in (
-                'side', 'speed', 'yaw_rate', 'clockwise', 'corner_radius', 'pause')})
+        if values['square_rounds']:
+            return square_rounds(values['square_rounds'], **square)
+        commands = square_course(clockwise=clockwise, **square)
+        return commands, [SquareRun(clockwise, sum(each.duration for each in commands))]
     except ValueError as error:
         raise ValueError(f'square_{error}') from error
 

@@ -34,6 +34,7 @@ from diffdrive_kinematics.tools.drift_table import drift_table, pose_line, progr
 from diffdrive_kinematics.tools.keeping import Keeping
 from diffdrive_kinematics.tools.progress import LiveLine
 from diffdrive_kinematics.tools.robots import moments_of, Robot, robots_of
+from diffdrive_kinematics.tools.square_notes import square_calibration, Squares
 from rclpy.logging import get_logger
 
 if TYPE_CHECKING:
@@ -64,6 +65,10 @@ class Config:
 def build(values: Mapping[str, Any]) -> Config:
     """Return the configuration of parameter values, or raise ``ValueError``."""
     members = members_of(values['nodes'], CLASSES)
+    if values['calibration'] and not values['square_runs']:
+        raise ValueError(
+            f"calibration is {values['calibration']!r} and square_runs is not set, expected the "
+            'CSV file of the runs to calibrate by')
     return Config(members, round(values['clock_step'] * 1e9), values['real_time_factor'])
 
 
@@ -85,11 +90,10 @@ class DiffDriveSim(DiffDriveNode[Config]):
         classes = [node_class(member.kind) for member in self.config.members]
         if self.config.clock_step_ns:  # now, so that what comes second does not disturb the first
             check_alone(self, {self.resolve_topic_name('/clock'): []}, patience_s=FAREWELL_S)
-        neighbours = tuple(member.name for member in self.config.members)
         for kind, member in zip(classes, self.config.members):
             self.members.append(kind(
                 member.name, **{**node_options, 'namespace': member.namespace},
-                neighbours=neighbours, **shared))
+                neighbours=[each.name for each in self.config.members], **shared))
         self.clock_driver: Any = None
         if self.config.clock_step_ns:
             from diffdrive_kinematics.ros.runtime.sim_clock import SimClockDriver
@@ -114,6 +118,18 @@ class DiffDriveSim(DiffDriveNode[Config]):
         """Keep the drive from now on, in what files it is to be kept."""
         self.keeping.begin(self.parameters.values, [
             publisher for node in (self, *self.members) for publisher in node.publishers])
+        if path := self.parameters.values['square_runs']:
+            self.keeping.note_squares(path, [
+                Squares(node.config.runs, node.elapsed_s) for node in self._sequences])
+
+    def calibrated(self) -> List[str]:
+        """Calibrate by the runs that are noted, where they are done; return the report."""
+        values = self.parameters.values
+        if not (values['calibration'] and self.finished()):
+            return []
+        base = next(base for base, fed in self._bases() if not fed)
+        return square_calibration(
+            {**self._sequences[0].config.values, **values}, base.config.geometry)
 
     def _now_ns(self) -> int:
         return self.members[0].runtime.now_ns()
@@ -161,7 +177,7 @@ class DiffDriveSim(DiffDriveNode[Config]):
 
     def _finished(self) -> bool:
         """Note and show how far it is; return whether the course is done, the robot at rest."""
-        self.keeping.note()
+        self._show(self.keeping.note())
         self._live(lambda: pose_line(self._now_ns() / 1e9 - self._began_s, self.robots()))
         if not self._courses:
             return False
@@ -178,8 +194,12 @@ class DiffDriveSim(DiffDriveNode[Config]):
         shown = int(PROGRESS_LINES * course.elapsed_s() / course.length_s)
         if course.begun() and shown != self._shown and shown <= PROGRESS_LINES:
             self._shown = shown
+            self._show(progress_line(course.elapsed_s(), course.length_s, self.robots()))
+
+    def _show(self, line: str) -> None:
+        if line:
             self._live.clear()
-            show(progress_line(course.elapsed_s(), course.length_s, self.robots()))
+            show(line)
 
     def _announce(self) -> None:
         """Say how to drive where nothing in this process does."""
@@ -187,8 +207,7 @@ class DiffDriveSim(DiffDriveNode[Config]):
             return
         for node in self._of('diff_drive_controller'):
             self.get_logger().info(
-                f"publish {node.commands.name} on '{node.commands.topic}' to drive; Ctrl-C "
-                'ends')
+                f"publish {node.commands.name} on '{node.commands.topic}' to drive; Ctrl-C ends")
 
 
 def work(stop: Stop) -> int:
@@ -205,7 +224,7 @@ def _work(stop: Stop) -> int:
     try:
         sim.keep()
         sim.run(stop)
-        for line in sim.keeping.close():
+        for line in (*sim.keeping.close(finished=sim.finished()), *sim.calibrated()):
             report(line)
         if sim.begun():
             report(drift_table(sim.robots()))

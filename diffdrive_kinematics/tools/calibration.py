@@ -103,7 +103,8 @@ def of_squares(
         'UMBmark', after, (slip.value, slip.value), rows,
         (Gain('return error E_max,syst [mm]', 1e3 * result.error_before,
               1e3 * fit.predicted_error),),
-        (remark, *square_remarks(fit), THIS_SESSION_ONLY), (result, clockwise, counterclockwise),
+        (remark, *square_remarks(fit, slip.value), THIS_SESSION_ONLY),
+        (result, clockwise, counterclockwise),
         ('measured', 'predicted'))
 
 

@@ -17,6 +17,7 @@
 from typing import Any, Dict, List, Mapping
 
 from diffdrive_kinematics.tools.calibration import Calibration, MULTIPLIERS
+from diffdrive_kinematics.tools.calibration_remarks import NO_SLIP_M
 from diffdrive_kinematics.tools.drawing import MISSING
 
 __all__ = ['params_text', 'rendered']
@@ -34,8 +35,6 @@ ROBOT = """\
 STAY = """\
 # The next calibration starts from this one."""
 NODES = 'diff_drive_controller', 'wheel_odometry', 'simulated_base'
-NO_SLIP_M = 1e-12
-"""Slip variance [m] of runs that do not scatter at all."""
 
 
 def rendered(calibration: Calibration, values: Mapping[str, Any]) -> Dict[str, bytes]:

@@ -23,8 +23,8 @@ from diffdrive_kinematics.core.kinematics import WheelGeometry
 import numpy as np
 
 __all__ = [
-    'KNOWN_BY_DRIVES', 'KNOWN_BY_RATIO', 'clock_remark', 'course_remarks', 'frame_remark',
-    'frozen_remark', 'square_remarks']
+    'NO_SLIP_M', 'KNOWN_BY_DRIVES', 'KNOWN_BY_RATIO', 'clock_remark', 'course_remarks',
+    'frame_remark', 'frozen_remark', 'square_remarks']
 
 KNOWN_BY_DRIVES = 'known from the drives: both radii and the separation'
 KNOWN_BY_RATIO = (
@@ -37,7 +37,11 @@ FEWEST_TURNED = 0.2
 """Share of all turning that curves to one side should be at least."""
 
 
-def square_remarks(fit: SquareFit) -> List[str]:
+NO_SLIP_M = 1e-12
+"""Slip variance [m] of runs that do not scatter at all."""
+
+
+def square_remarks(fit: SquareFit, slip: float) -> List[str]:
     """Return what runs around a square tell, what they do not, and what the prediction is."""
     remarks = [
         'known from a square: the separation and the ratio of the radii; the mean radius is kept '
@@ -51,6 +55,11 @@ def square_remarks(fit: SquareFit) -> List[str]:
             remarks.append(
                 f'{name}: no correction: {ratio.value:.5f} is within its error of 1, +- '
                 f'{fit.quantile * ratio.error:.5f} (95 %): {kept} as before; more runs tell more')
+    if slip < NO_SLIP_M:
+        remarks.append(
+            'warning: the runs of either way do not scatter: they say nothing of slip, and all '
+            'standard errors are too small; no slip is written; runs of a simulated robot need '
+            'slip, and another seed each')
     return [*remarks, 'predicted: the root mean square in as many new runs; it counts the error '
             'of this estimate and the scatter of the new runs']
 

@@ -14,12 +14,14 @@
 
 """What is kept of a drive: a table of it, a bag of its messages, a picture of its way."""
 
-from typing import Any, Callable, Iterable, List, Mapping, Optional, Tuple
+from typing import Any, Callable, Iterable, List, Mapping, Optional, Sequence, Tuple
 
 from diffdrive_kinematics.tools.bag_recorder import BagRecorder
 from diffdrive_kinematics.tools.drive_drawing import DrivePicture
 from diffdrive_kinematics.tools.drive_table import DriveTable
+from diffdrive_kinematics.tools.output_files import check_writable
 from diffdrive_kinematics.tools.robots import Moment
+from diffdrive_kinematics.tools.square_notes import SquareNotes, Squares
 from rclpy.publisher import Publisher
 
 __all__ = ['Keeping']
@@ -46,12 +48,15 @@ class Keeping:
         self._table: Optional[DriveTable] = None
         self._picture: Optional[DrivePicture] = None
         self._bag: Optional[BagRecorder] = None
+        self._squares: Optional[SquareNotes] = None
         self._next_ns = 0
 
     def begin(self, values: Mapping[str, Any], publishers: Iterable[Publisher]) -> None:
         """Keep the drive in ``record`` and ``picture``; ``ValueError`` where that cannot be."""
         record, picture, overwrite = (
             values[name] for name in ('record', 'picture', 'overwrite'))
+        if values['calibration']:
+            check_writable(values['calibration'], name='calibration', overwrite=overwrite)
         if picture:
             self._picture = DrivePicture(picture, overwrite=overwrite)
         if record.endswith('.csv'):
@@ -60,8 +65,20 @@ class Keeping:
             self._bag = BagRecorder(record, overwrite=overwrite)
             self._bag.watch(publishers, self._now_ns)
 
-    def note(self) -> None:
-        """Note where the robots are, where a period has passed or the clock was set back."""
+    def note_squares(self, path: str, squares: Sequence[Squares]) -> None:
+        """Note the runs around squares in a file; ``ValueError`` where that cannot be."""
+        self._squares = SquareNotes(path, squares, self._moments())
+
+    def note(self) -> str:
+        """
+        Note where the robots are, where a period has passed or the clock was set back.
+
+        Returns
+        -------
+        str
+            A line on the run around a square that has ended, if one has.
+
+        """
         now_ns = self._now_ns()
         noting = [each for each in (self._table, self._picture) if each]
         if noting and not self._next_ns - PERIOD_NS <= now_ns < self._next_ns:
@@ -69,10 +86,13 @@ class Keeping:
             moments = self._moments()
             for each in noting:
                 each.note(moments)
+        due = self._squares and self._squares.due()
+        return self._squares.note(self._moments()) if due else ''
 
-    def close(self) -> List[str]:
+    def close(self, *, finished: bool) -> List[str]:
         """Complete the files, and return a line on each; ``ValueError`` if one cannot be."""
-        return [each.close() for each in self._kept()]
+        last = [self._squares.note(self._moments())] if self._squares and finished else []
+        return last + [each.close() for each in self._kept()]
 
     def discard(self) -> None:
         """Leave nothing of files that are not complete."""

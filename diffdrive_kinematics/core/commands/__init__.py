@@ -35,7 +35,8 @@ from diffdrive_kinematics.core.commands.pursuit import PurePursuit, PursuitComma
 from diffdrive_kinematics.core.commands.ramp import ramp_step, RampStep
 from diffdrive_kinematics.core.commands.saturation import (
     saturate, SaturatedRates, wheel_bound, WheelBound)
-from diffdrive_kinematics.core.commands.square_course import QUARTER, square_course
+from diffdrive_kinematics.core.commands.square_course import (
+    QUARTER, square_course, square_rounds, SquareRun)
 from diffdrive_kinematics.core.commands.steering import (
     Law, Progress, SteeringCommand, SteeringLimits)
 from diffdrive_kinematics.core.commands.steering_laws import HeadingRegulator, PointForward
@@ -46,6 +47,7 @@ __all__ = [
     'AxisLimits', 'CommandFor', 'CommandResponse', 'Course', 'Drive', 'DriveSettings',
     'HeadingRegulator', 'Helm', 'Law', 'PointForward', 'PoseController', 'Progress',
     'PurePursuit', 'PursuitCommand', 'QUARTER', 'RampStep', 'STILL', 'SaturatedRates',
-    'SteeringCommand', 'SteeringLimits', 'TimedTwist', 'Twist', 'Waypoints', 'WheelBound',
-    'WheelCommand', 'course_from_commands', 'course_from_recording', 'eased', 'largest_change',
-    'ramp_step', 'saturate', 'square_course', 'waypoints_from_poses', 'wheel_bound']
+    'SquareRun', 'SteeringCommand', 'SteeringLimits', 'TimedTwist', 'Twist', 'Waypoints',
+    'WheelBound', 'WheelCommand', 'course_from_commands', 'course_from_recording', 'eased',
+    'largest_change', 'ramp_step', 'saturate', 'square_course', 'square_rounds',
+    'waypoints_from_poses', 'wheel_bound']

@@ -20,14 +20,37 @@ each of them, the last one included, so that the robot ends in the pose in which
 """
 
 import math
-from typing import List
+from typing import List, NamedTuple, Tuple
 
 from diffdrive_kinematics.core.kinematics import (
     check_length, check_non_negative, check_positive, Command)
 
-__all__ = ['QUARTER', 'square_course']
+__all__ = ['QUARTER', 'SquareRun', 'square_course', 'square_rounds']
 
 QUARTER = 0.5 * math.pi
+SHORTEST_REST_S = 1.0
+
+
+class SquareRun(NamedTuple):
+    """
+    A run around the square within a course.
+
+    Parameters
+    ----------
+    clockwise : bool
+        Whether it turns right.
+    end : float
+        When the robot rests after it [s], from the start of the course.
+
+    Examples
+    --------
+    >>> SquareRun(clockwise=True, end=28.5).clockwise
+    True
+
+    """
+
+    clockwise: bool
+    end: float
 
 
 def square_course(
@@ -85,6 +108,53 @@ def square_course(
         return motions
     rest = Command(0.0, 0.0, pause)
     return [motions[0], *(command for motion in motions[1:] for command in (rest, motion))]
+
+
+def square_rounds(
+        rounds: int, *, side: float, speed: float, yaw_rate: float, corner_radius: float = 0.0,
+        pause: float = 0.0) -> Tuple[List[Command], List[SquareRun]]:
+    """
+    Return the commands that drive around the square several times each way, clockwise first.
+
+    The robot rests after each run, for twice the pause and a second at least, and is not put
+    back: the return error of a run counts from the pose in which it began.
+
+    Parameters
+    ----------
+    rounds : int
+        Runs each way.
+    side, speed, yaw_rate, corner_radius, pause : float
+        As of :func:`square_course`.
+
+    Returns
+    -------
+    commands : list of Command
+        All runs, one after the other.
+    runs : list of SquareRun
+        Each run, with a time in the middle of the rest after it.
+
+    Raises
+    ------
+    ValueError
+        If a value is out of its range.
+
+    Examples
+    --------
+    >>> commands, runs = square_rounds(1, side=1.0, speed=0.5, yaw_rate=0.5 * math.pi)
+    >>> [run.end for run in runs], sum(command.duration for command in commands)
+    ([12.5, 25.5], 26.0)
+
+    """
+    rest = Command(0.0, 0.0, max(SHORTEST_REST_S, 2.0 * pause))
+    commands: List[Command] = []
+    runs: List[SquareRun] = []
+    for clockwise in [*rounds * [True], *rounds * [False]]:
+        commands += [*square_course(
+            side=side, speed=speed, yaw_rate=yaw_rate, clockwise=clockwise,
+            corner_radius=corner_radius, pause=pause), rest]
+        end = sum(command.duration for command in commands) - 0.5 * rest.duration
+        runs.append(SquareRun(clockwise, end))
+    return commands, runs
 
 
 def _straight(length: float, speed: float) -> List[Command]:

@@ -28,11 +28,11 @@ __all__ = [
     'check_named', 'check_offset', 'check_one_of', 'check_optional_picture',
     'check_optional_seed', 'check_optional_topic', 'check_picture', 'check_port', 'check_pose',
     'check_positive_or_nan', 'check_prefix', 'check_radius_multiplier', 'check_range',
-    'check_rate_or_off', 'check_recording', 'check_resolution', 'check_seed', 'check_stages',
-    'check_step', 'check_topic', 'check_wheel_base', 'check_window']
+    'check_rate_or_off', 'check_recording', 'check_resolution', 'check_rounds', 'check_seed',
+    'check_stages', 'check_step', 'check_topic', 'check_wheel_base', 'check_window']
 
 Check = Callable[[str, Any], Any]
-MOST, MOST_STAGES, MOST_IN_WINDOW = 100_000, 25, 1000
+MOST, MOST_STAGES, MOST_IN_WINDOW, MOST_ROUNDS = 100_000, 25, 1000, 1000
 MOST_OFFSET = 1e9  # [s]
 
 
@@ -86,6 +86,11 @@ def check_window(name: str, value: int) -> None:
     if not 1 <= value <= MOST_IN_WINDOW:
         raise ValueError(
             f'{name} is {value!r}, expected an integer from 1 to {MOST_IN_WINDOW}')
+
+
+def check_rounds(name: str, value: int) -> None:
+    if not 0 <= value <= MOST_ROUNDS:
+        raise ValueError(f'{name} is {value!r}, expected an integer from 0 to {MOST_ROUNDS}')
 
 
 def check_stages(name: str, value: int) -> None:

@@ -16,9 +16,10 @@
 
 import math
 
-from diffdrive_kinematics.core.commands import square_course
+from diffdrive_kinematics.core.commands import square_course, square_rounds
 from diffdrive_kinematics.core.kinematics import Pose, pose_after, poses_along
 from hypothesis import given, settings, strategies as st
+import numpy as np
 import pytest
 
 LAW = settings(deadline=None, derandomize=True)
@@ -104,3 +105,22 @@ def test_a_bad_value_is_refused_by_name(name, value):
     square = {'side': 2.0, 'speed': 0.5, 'yaw_rate': 0.4, 'clockwise': True, name: value}
     with pytest.raises(ValueError, match=f'^{name} is {value!r}, expected '):
         square_course(**square)
+
+
+@pytest.mark.parametrize('pause', [0.0, 0.7])
+def test_rounds_are_squares_each_way_with_a_rest_in_which_each_ends(pause):
+    square = {'side': 1.0, 'speed': 0.2, 'yaw_rate': 0.5, 'pause': pause}
+    commands, runs = square_rounds(2, **square)
+    assert [run.clockwise for run in runs] == [True, True, False, False]
+    ends = np.cumsum([command.duration for command in commands])
+    begin = 0
+    for run in runs:
+        once = square_course(clockwise=run.clockwise, **square)
+        assert commands[begin:begin + len(once)] == once
+        rest = commands[begin + len(once)]
+        assert (rest.v, rest.w) == (0.0, 0.0) and rest.duration >= max(1.0, 2.0 * pause)
+        begin += len(once) + 1
+        assert ends[begin - 2] + pause < run.end + 1e-9 < ends[begin - 1]
+        assert poses_along(Pose(0.0, 0.0, 0.0), commands)[begin][:2] == pytest.approx(
+            (0.0, 0.0), abs=1e-9)
+    assert begin == len(commands)

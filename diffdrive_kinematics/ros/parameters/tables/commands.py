@@ -16,7 +16,7 @@
 
 from diffdrive_kinematics.core.kinematics import check_duration, check_positive, check_rate
 from diffdrive_kinematics.ros.parameters.parameter_checks import (
-    check_frame, check_one_of)
+    check_frame, check_one_of, check_rounds)
 from diffdrive_kinematics.ros.parameters.parameter_spec import (
     Kind, ParameterSpec as Spec, string, topic)
 from diffdrive_kinematics.ros.parameters.tables.shared import DIAGNOSTICS, EXECUTOR, SQUARE
@@ -36,6 +36,9 @@ COMMAND_SEQUENCE = (
     Spec('square_yaw_rate', 0.5, 'yaw rate [rad/s] at the corners', check=check_positive,
          read_only=True),
     Spec('square_clockwise', False, 'drive the square clockwise', Kind.BOOL, read_only=True),
+    Spec('square_rounds', 0, 'drive the square so many times clockwise and then as many times '
+         'counterclockwise, with a rest after each; 0: once, as square_clockwise says',
+         Kind.INTEGER, check_rounds, read_only=True),
     Spec('square_pause', 0.5, 'rest [s] between sides and corners, in which ramps end',
          check=check_duration, read_only=True),
     Spec('loop', False, 'start again at the end, until stopped', Kind.BOOL, read_only=True),

@@ -129,6 +129,10 @@ DIFFDRIVE_SIM = (
     string('record', '', 'file to write: .csv, of belief, truth, wheels and commands of one '
            'robot 50 times a second, or .mcap, of all that the nodes publish; empty: none',
            check_recording),
+    string('square_runs', '', 'CSV file to which the runs around the square of command_sequence '
+           'are added, a row each, as calibrate reads them; empty: none'),
+    string('calibration', '', 'params file to write at the end, of a calibration by all rows of '
+           'square_runs; empty: none'),
     string('picture', '', 'picture to write of the way that was driven, .png or .svg; empty: '
            'none', check_optional_picture),
     OVERWRITE,
