@@ -19,7 +19,7 @@ import math
 from typing import Any, List, Mapping, Optional, Tuple, Union
 
 from diffdrive_kinematics.core.kinematics import Command, Pose, WheelGeometry
-from diffdrive_kinematics.core.noise import Projected, projected, unit_bound, WheelSlip
+from diffdrive_kinematics.core.noise import BodySlip, Projected, projected, unit_bound, WheelSlip
 import diffdrive_kinematics.core.odometry as core
 from diffdrive_kinematics.ros.inputs.other_clock import StampWatch
 from diffdrive_kinematics.ros.inputs.wheel_watch import WheelWatch
@@ -28,7 +28,7 @@ from diffdrive_kinematics.ros.messages.messages import nanoseconds, pose_in_plan
 from diffdrive_kinematics.ros.messages.wheel_joints import wheel_joints
 from diffdrive_kinematics.ros.messages.wheel_messages import WheelReader
 from diffdrive_kinematics.ros.parameters.from_values import (
-    check_sides, check_wiring, wheel_geometry, wheel_slips)
+    body_slip, check_sides, check_wiring, wheel_geometry, wheel_slips)
 from diffdrive_kinematics.ros.parameters.tables import FORWARD_PROJECTION
 from diffdrive_kinematics.ros.runtime.diagnostics import (
     heard_values, quiet, RateSample, stamp_values, Status, unheard)
@@ -52,12 +52,13 @@ class Config:
     geometry: WheelGeometry
     timeout_ns: Optional[int]
     slips: Tuple[WheelSlip, WheelSlip]
+    body: BodySlip
     values: Mapping[str, Any]
 
     def bounded(self) -> bool:
         """Return whether the slip has bounds, so that what can be reached has."""
-        return all(slip.variance == 0.0 or math.isfinite(unit_bound(slip.distribution))
-                   for slip in self.slips)
+        return math.isfinite(unit_bound(self.body.distribution)) or not (
+            self.body or any(slip.variance for slip in self.slips))
 
 
 def build(values: Mapping[str, Any]) -> Config:
@@ -67,7 +68,7 @@ def build(values: Mapping[str, Any]) -> Config:
     check_sides(values)
     return Config(
         wheel_geometry(values), core.timeout_from_seconds(values['command_timeout']),
-        wheel_slips(values), values)
+        wheel_slips(values), body_slip(values), values)
 
 
 def _is_heard(publisher: Optional[Publisher]) -> bool:
@@ -143,7 +144,7 @@ class ForwardProjection(DiffDriveNode[Config]):
             return
         self._worker.ask(
             odometry.header, projected, pose, commands, self.config.geometry, self.config.slips,
-            samples, self.config.values['seed'], bounded)
+            samples, self.config.values['seed'], bounded, self.config.body)
 
     def _commands(self, now_ns: int) -> List[Command]:
         """Return the twist of the wheels, held for the horizon, stage by stage."""

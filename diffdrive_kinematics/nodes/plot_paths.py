@@ -21,9 +21,9 @@ from typing import Any, List, Mapping, Tuple, Union
 
 from diffdrive_kinematics.core.kinematics import Command, Pose, WheelGeometry
 from diffdrive_kinematics.core.noise import (
-    heading_moments, PoseMoments, propagated_moments, reachable_set_from_slip,
+    BodySlip, heading_moments, PoseMoments, propagated_moments, reachable_set_from_slip,
     sample_heading, sample_paths, travel_of_command, unit_bound, WheelSlip)
-from diffdrive_kinematics.ros.parameters.from_values import commands_from, wheel_slips
+from diffdrive_kinematics.ros.parameters.from_values import body_slip, commands_from, wheel_slips
 from diffdrive_kinematics.ros.parameters.package_share import with_params_file
 from diffdrive_kinematics.ros.parameters.parameters import ConfigurationError
 from diffdrive_kinematics.ros.parameters.tables import PLOT_PATHS
@@ -44,6 +44,7 @@ class Config:
     each: int
     geometry: WheelGeometry
     slips: Tuple[WheelSlip, WheelSlip]
+    body: BodySlip
     values: Mapping[str, Any]
 
 
@@ -62,7 +63,7 @@ def build(values: Mapping[str, Any]) -> Union[Config, ModelConfig]:
     geometry = WheelGeometry(  # the radius does not count: commands are twists
         values['wheel_separation'], 1.0,
         wheel_separation_multiplier=values['wheel_separation_multiplier'])
-    return Config(steps, each, geometry, wheel_slips(values), values)
+    return Config(steps, each, geometry, wheel_slips(values), body_slip(values), values)
 
 
 def _pictures(config: Union[Config, ModelConfig]) -> List[Picture]:
@@ -76,7 +77,7 @@ def picture_of(config: Config) -> Picture:
     start, values = Pose(*config.values['initial_pose']), config.values
     paths = sample_paths(
         _starts(start, config), config.steps, config.geometry, *config.slips, n=values['paths'],
-        seed=values['seed'])
+        seed=values['seed'], body=config.body)
     poses, moments = _beliefs(start, config)
     after = range(config.each, len(poses), config.each)
     boundaries = [_boundary(start, config, end) for end in after] if _bounded(config) else []
@@ -94,7 +95,7 @@ def _beliefs(start: Pose, config: Config) -> Tuple[List[Pose], List[PoseMoments]
     for command in config.steps:
         travel = (gain * d for gain, d in zip(gains, travel_of_command(command, config.geometry)))
         pose, after = propagated_moments(
-            moments[-1], poses[-1], config.geometry, *travel, *variances)
+            moments[-1], poses[-1], config.geometry, *travel, *variances, config.body)
         poses.append(pose)
         moments.append(after)
     return poses, moments
@@ -118,7 +119,8 @@ def _bounded(config: Config) -> bool:
 
 def _boundary(start: Pose, config: Config, end: int) -> Tuple[Any, Any]:
     travels = [travel_of_command(command, config.geometry) for command in config.steps[:end]]
-    return reachable_set_from_slip(start, travels, config.geometry, *config.slips)
+    return reachable_set_from_slip(
+        start, travels, config.geometry, *config.slips, body=config.body)
 
 
 def _title(config: Config) -> str:
@@ -128,7 +130,8 @@ def _title(config: Config) -> str:
     return (
         f"{values['paths']} paths of {len(config.steps)} steps, "
         f"{values['slip_distribution'].replace('_', ' ')} slip: "
-        rf'$\sqrt{{k}}$ = {roots} $\mathrm{{mm}}/\sqrt{{\mathrm{{m}}}}$')
+        rf'$\sqrt{{k}}$ = {roots} $\mathrm{{mm}}/\sqrt{{\mathrm{{m}}}}$'
+        + (', and slip of the body' if config.body else ''))
 
 
 class PlotPaths(DiffDriveNode[Union[Config, ModelConfig]]):

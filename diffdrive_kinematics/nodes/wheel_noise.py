@@ -24,7 +24,7 @@ from diffdrive_kinematics.ros.inputs.wheel_watch import WheelWatch
 from diffdrive_kinematics.ros.messages.wheel_joints import wheel_joints
 from diffdrive_kinematics.ros.messages.wheel_messages import WheelReader, WheelWriter
 from diffdrive_kinematics.ros.parameters.from_values import (
-    check_sides, check_wiring, session_spread, wheel_radii, wheel_slips)
+    body_slip, check_sides, check_wiring, session_spread, wheel_radii, wheel_slips)
 from diffdrive_kinematics.ros.parameters.tables import WHEEL_NOISE
 from diffdrive_kinematics.ros.runtime.diagnostics import (
     heard_values, quiet, RateSample, stamp_values, Status, unheard)
@@ -49,16 +49,18 @@ def build(values: Mapping[str, Any]) -> Config:
     check_sides(values)
     spread = session_spread(values)
     separation = values['wheel_separation'] * values['wheel_separation_multiplier']
-    if spread.curvature and math.isnan(separation):
-        raise ValueError(
-            f'wheel_separation is nan, expected the distance [m] between the wheels, as '
-            f'session_curvature_stddev is {spread.curvature!r}')
+    for name in ('session_curvature_stddev', 'turn_slip_variance', 'heading_slip_variance'):
+        if values[name] and math.isnan(separation):
+            raise ValueError(
+                f'wheel_separation is nan, expected the distance [m] between the wheels, as '
+                f'{name} is {values[name]!r}')
     return Config(
         SlipStream(
             wheel_radii(values), *wheel_slips(values),
             timeout_from_seconds(values['command_timeout']),
             separation=0.0 if math.isnan(separation) else separation,
-            session=draw_session(spread, session_generator(values['seed'])) if spread else None),
+            session=draw_session(spread, session_generator(values['seed'])) if spread else None,
+            body=body_slip(values)),
         values)
 
 
@@ -109,7 +111,8 @@ class WheelNoise(DiffDriveNode[Config]):
         new = config.stream
         self._stream = replace(
             self._stream, radii=new.radii, left_slip=new.left_slip, right_slip=new.right_slip,
-            timeout_ns=new.timeout_ns, session=new.session, separation=new.separation)
+            timeout_ns=new.timeout_ns, session=new.session, separation=new.separation,
+            body=new.body)
         if config.values['seed'] != self._seed:
             self._seed = config.values['seed']
             self._generator = np.random.default_rng(self._seed)

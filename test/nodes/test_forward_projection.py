@@ -33,6 +33,8 @@ JOINTS = ['left_wheel_joint', 'right_wheel_joint']
 SETTINGS = {
     **KHEPERA, 'left_slip_variance': 2e-5, 'right_slip_variance': 1e-5, 'publish_rate': 20.0,
     'slip_distribution': 'uniform', 'samples': 20_000, 'stages': 1, 'command_timeout': 0.0}
+BODY = {'linear_slip_variance': 1e-3, 'turn_slip_variance': 0.02, 'heading_slip_variance': 0.01,
+        'stages': 3}
 START = (3.0, -2.0, 2.5)
 TOLERANCE = 1e-6  # m: float32 at a few metres
 
@@ -113,9 +115,9 @@ def both(poses, boundaries):
     {}, {'stages': 5}, {'slip_distribution': 'triangular', 'stages': 3},
     {'slip_distribution': 'truncated_gaussian'}, {'left_slip_variance': 2e-3, 'stages': 2},
     {'rates': (5.0, 5.0)}, {'rates': (-4.0, -5.0), 'stages': 4},
-    {'rates': (0.0, 9.0), 'stages': 25}, {'executor': 'single_threaded'}],
+    {'rates': (0.0, 9.0), 'stages': 25}, {'executor': 'single_threaded'}, BODY],
     ids=['uniform', 'stages', 'triangular', 'truncated', 'large', 'straight', 'reverse', 'pivot',
-         'executor'])
+         'executor', 'body'])
 def test_the_published_boundary_contains_every_published_sample(graph, changes):
     settings = {**SETTINGS, **changes}
     rates = settings.pop('rates', (6.0, 9.0))

@@ -49,6 +49,18 @@ def test_a_picture_has_paths_mean_beliefs_and_boundaries_that_belong_together():
         assert y.min() <= picture.paths.y[row].min() and picture.paths.y[row].max() <= y.max()
 
 
+def test_a_picture_has_the_slip_of_the_body_in_paths_belief_and_boundary():
+    picture = picture_of(build({
+        **VALUES, 'paths': 2000, 'linear_slip_variance': 4e-4, 'turn_slip_variance': 0.02,
+        'heading_slip_variance': 0.01}))
+    for row, (_, covariance), (x, y) in zip((4, 8), picture.beliefs, picture.boundaries):
+        assert covariance.tt > 0.0019
+        for values, variance in zip(picture.paths, (covariance.xx, covariance.yy, covariance.tt)):
+            assert np.std(values[row]) == pytest.approx(variance**0.5, rel=0.08)
+        assert x.min() <= picture.paths.x[row].min() and picture.paths.x[row].max() <= x.max()
+        assert y.min() <= picture.paths.y[row].min() and picture.paths.y[row].max() <= y.max()
+
+
 def test_a_picture_of_unbounded_slip_has_no_boundary():
     assert not picture_of(build({**VALUES, 'slip_distribution': 'gaussian'})).boundaries
 

@@ -189,7 +189,8 @@ def sample_travel(slip: WheelSlip, travel: Travel, generator: 'np.random.Generat
     return mean + math.sqrt(variance) * draw_unit(slip.distribution, generator)
 
 
-def effective_ratio(slip: WheelSlip, nominal: float, effective: float) -> float:
+def effective_ratio(
+        slip: WheelSlip, nominal: float, effective: float, of_body: float = 0.0) -> float:
     """
     Return effective over nominal travel of an interval, ``1 + b`` where nothing moved.
 
@@ -205,6 +206,8 @@ def effective_ratio(slip: WheelSlip, nominal: float, effective: float) -> float:
         Travel that the wheel should have made [m].
     effective : float
         Travel that it made [m].
+    of_body : float
+        What the slip of the body adds to the variance of that [m^2].
 
     Returns
     -------
@@ -218,6 +221,6 @@ def effective_ratio(slip: WheelSlip, nominal: float, effective: float) -> float:
     (1.5, 1.25)
 
     """
-    if travel_variance(slip, nominal) >= 0.25 * nominal * nominal:
+    if travel_variance(slip, nominal) + of_body >= 0.25 * nominal * nominal:
         return 1.0 + slip.bias
     return effective / nominal

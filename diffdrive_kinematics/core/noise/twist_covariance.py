@@ -17,7 +17,8 @@
 from typing import NamedTuple, Tuple
 
 from diffdrive_kinematics.core.kinematics import (
-    check_non_negative, check_positive, WheelGeometry)
+    check_non_negative, check_positive, twist_from_wheel_rates, WheelGeometry)
+from diffdrive_kinematics.core.noise.body_slip import body_variances, BodySlip, NO_BODY_SLIP
 
 __all__ = ['TwistCovariance', 'twist_covariance']
 
@@ -49,14 +50,15 @@ class TwistCovariance(NamedTuple):
 
 def twist_covariance(
         geometry: WheelGeometry, rates: Tuple[float, float], k_left: float, k_right: float,
-        period: float, floor: float = 1e-9) -> TwistCovariance:
+        period: float, floor: float = 1e-9, body: BodySlip = NO_BODY_SLIP) -> TwistCovariance:
     """
     Return the covariance of the mean twist over a period, as slip disturbs it.
 
     With ``q = k |u| R T`` the variance of a wheel's travel in the period T,
     ``Var v = (q_l + q_r) / (4 T^2)``, ``Var w = (q_l + q_r) / (L^2 T^2)`` and
-    ``Cov(v, w) = (q_r - q_l) / (2 L T^2)``.  It falls with T, so a filter that integrates a twist
-    each period gathers the variance of the path whatever the rate.
+    ``Cov(v, w) = (q_r - q_l) / (2 L T^2)``; the slip of the body adds ``k_d |v| / T`` and
+    ``(k_t |w| + k_x |v|) / T``.  It falls with T, so a filter that integrates a twist each period
+    gathers the variance of the path whatever the rate.
 
     Parameters
     ----------
@@ -70,6 +72,8 @@ def twist_covariance(
         Time T [s] between two twists.
     floor : float
         Added to both variances, (m/s)^2 and (rad/s)^2, so that a robot at rest reports no zero.
+    body : BodySlip
+        What slips beside the wheels.
 
     Returns
     -------
@@ -96,7 +100,9 @@ def twist_covariance(
     scale = 1.0 / check_positive('period', period)
     check_non_negative('floor', floor)
     both, separation = scale * (rate_left + rate_right), geometry.separation
+    along, heading = 0.25 * both, both / separation**2
+    if body:
+        added = body_variances(body, *twist_from_wheel_rates(geometry, *rates))
+        along, heading = along + scale * added[0], heading + scale * added[1]
     return TwistCovariance(
-        0.25 * both + floor,
-        0.5 * scale * (rate_right - rate_left) / separation,
-        both / separation**2 + floor)
+        along + floor, 0.5 * scale * (rate_right - rate_left) / separation, heading + floor)

@@ -44,7 +44,7 @@ class Odometry(OdometryState):
 
     Parameters
     ----------
-    geometry, slip_variances, anchor, wheels : as there
+    geometry, slip_variances, anchor, wheels, body_slip : as there
         The fields of :class:`.OdometryState`.
 
     Examples
@@ -157,7 +157,7 @@ class Odometry(OdometryState):
             if not is_sane(distance, turn):
                 raise _absurd('position', angle)
             anchor = anchor.moved(distance, turn, self._moments_after(anchor, angle))
-        return Odometry(geometry, self.slip_variances, anchor, wheels), verdict  # no defaults
+        return Odometry(geometry, self.slip_variances, anchor, wheels, self.body_slip), verdict
 
     def configured(
             self, geometry: WheelGeometry, timeout_ns: Optional[int], now_ns: int,
@@ -196,7 +196,7 @@ class Odometry(OdometryState):
         for angle in arcs:
             anchor = anchor.moved(*twist_from_wheel_rates(self.geometry, *angle),
                                   self._moments_after(anchor, angle))
-        return Odometry(geometry, slip, anchor, wheels)
+        return Odometry(geometry, slip, anchor, wheels, self.body_slip)
 
     def set_pose(
             self, pose: Pose, covariance: PoseCovariance, now_ns: int, *,

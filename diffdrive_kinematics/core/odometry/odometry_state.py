@@ -15,8 +15,7 @@
 """
 Where the base is, by the anchor and by what the wheels have rolled since.
 
-The pose at a time is one exact arc from the anchor, so publishing neither accumulates nor changes
-anything.
+The pose at a time is one exact arc from the anchor, so publishing it changes nothing.
 """
 
 from typing import NamedTuple, Optional, Tuple, TypeVar
@@ -25,8 +24,8 @@ from diffdrive_kinematics.core.kinematics import (
     displacement, pose_change_from_travel, travel_from_angles, twist_from_wheel_rates,
     WheelGeometry)
 from diffdrive_kinematics.core.noise import (
-    arc_moments, CERTAIN, followed, NO_COVARIANCE, PoseCovariance, PoseMoments,
-    second_moment_after, slip_on_arc)
+    arc_moments, BodySlip, CERTAIN, followed, NO_BODY_SLIP, NO_COVARIANCE, PoseCovariance,
+    PoseMoments, second_moment_after, slip_on_arc)
 from diffdrive_kinematics.core.odometry.anchor import Anchor
 from diffdrive_kinematics.core.odometry.base_state import BaseState
 from diffdrive_kinematics.core.odometry.measured_wheels import MeasuredWheels
@@ -54,6 +53,8 @@ class OdometryState(NamedTuple):
         Pose at the anchor, and the moments of its error.
     wheels : WheelTrack
         What the wheels have rolled up to the anchor, and since.
+    body_slip : BodySlip
+        What slips beside the wheels.
 
     Examples
     --------
@@ -74,6 +75,7 @@ class OdometryState(NamedTuple):
     slip_variances: WheelPair
     anchor: Anchor
     wheels: WheelTrack
+    body_slip: BodySlip = NO_BODY_SLIP
 
     @property
     def motion(self) -> Optional[WheelMotion]:
@@ -119,7 +121,7 @@ class OdometryState(NamedTuple):
         See :class:`OdometryState`.
 
         """
-        geometry, _, anchor, wheels = self
+        geometry, _, anchor, wheels, _ = self
         (left, right), rates = wheels.state_at(time_ns)
         return BaseState(
             anchor.pose_after(*twist_from_wheel_rates(geometry, left, right)),
@@ -145,8 +147,7 @@ class OdometryState(NamedTuple):
 
         Examples
         --------
-        After 1 m straight ahead ``Var theta = (k_l + k_r) |d| / L^2``, and a heading that is not
-        known shortens the way on average:
+        After 1 m ahead ``Var theta = (k_l + k_r) |d| / L^2``, and the way is shorter on average:
 
         >>> from diffdrive_kinematics.core.kinematics import Pose
         >>> from diffdrive_kinematics.core.odometry import WheelSample
@@ -160,7 +161,7 @@ class OdometryState(NamedTuple):
 
         """
         _, _, _, moments, session = anchor = self.anchor
-        if self.slip_variances == ZERO and moments is CERTAIN and session is None:
+        if moments is CERTAIN and self.slip_variances == ZERO and not (session or self.body_slip):
             return NO_COVARIANCE
         angle, heading = self.wheels.angle_at(time_ns), anchor.heading
         covariance = moments.second_moment() if angle == ZERO else second_moment_after(
@@ -234,7 +235,7 @@ class OdometryState(NamedTuple):
     def _moments_after(self, anchor: Anchor, angle: WheelPair) -> PoseMoments:
         """Return the moments after the wheels rolled by an angle [rad] from an anchor."""
         moments = anchor.moments
-        if angle == ZERO or self.slip_variances == ZERO and moments is CERTAIN:
+        if angle == ZERO or moments is CERTAIN and not any((*self.slip_variances, self.body_slip)):
             return moments
         heading = anchor.heading
         return followed(moments, heading, *self._arc(heading, angle, swings=True))
@@ -245,5 +246,5 @@ class OdometryState(NamedTuple):
         d_left, d_right = travel_from_angles(geometry, *angle)
         distance, turn = pose_change_from_travel(geometry, d_left, d_right)
         return complex(*displacement(heading, distance, turn)), arc_moments(
-            distance, turn, slip_on_arc(geometry, d_left, d_right, *self.slip_variances),
-            swings=swings)
+            distance, turn, slip_on_arc(
+                geometry, d_left, d_right, *self.slip_variances, self.body_slip), swings=swings)

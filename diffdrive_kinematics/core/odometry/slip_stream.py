@@ -21,11 +21,13 @@ the rate just asked for, times what the interval just past made of its travel.
 """
 
 from dataclasses import dataclass, replace
+import math
 from typing import Optional, Tuple
 
 from diffdrive_kinematics.core.kinematics import RunningSum
 from diffdrive_kinematics.core.noise import (
-    effective_ratio, sample_travel, SessionError, travel_in_session, WheelSlip)
+    body_variances, BodySlip, draw_unit, effective_ratio, NO_BODY_SLIP, sample_travel,
+    SessionError, travel_in_session, WheelSlip)
 from diffdrive_kinematics.core.odometry.motion_update import update_motion
 from diffdrive_kinematics.core.odometry.wheel_motion import baseline, rolled, WheelMotion
 from diffdrive_kinematics.core.odometry.wheel_sample import Verdict, WheelPair, WheelSample, ZERO
@@ -58,7 +60,10 @@ class SlipStream:
     session : SessionError or None
         What this run has from its start to its end; bias and slip come on top.
     separation : float
-        Distance of the wheels [m], which only the curvature of a session asks for.
+        Distance of the wheels [m], which only the curvature of a session and a body that turns
+        too much ask for.
+    body : BodySlip
+        What slips beside the wheels, and moves both.
 
     Examples
     --------
@@ -84,6 +89,7 @@ class SlipStream:
     right: RunningSum = RunningSum(0.0)
     session: Optional[SessionError] = None
     separation: float = 0.0
+    body: BodySlip = NO_BODY_SLIP
 
     def apply(
             self, sample: WheelSample, generator: 'np.random.Generator'
@@ -139,10 +145,13 @@ class SlipStream:
                    anchor_moved[1] + held[1] - self.ahead[1])
         if self.session is not None:
             nominal = self._in_session(self.session, nominal)
+        errors, variance = ZERO, 0.0
+        if self.body and nominal != ZERO:
+            errors, variance = self._of_body(nominal, generator)
         left, left_ratio = _slip(
-            self.left_slip, nominal[0], self.radii[0], generator)
+            self.left_slip, nominal[0], self.radii[0], generator, errors[0], variance)
         right, right_ratio = _slip(
-            self.right_slip, nominal[1], self.radii[1], generator)
+            self.right_slip, nominal[1], self.radii[1], generator, errors[1], variance)
         stream = replace(
             self, motion=motion, ahead=held, last_out_ns=last_out_ns,
             left=self.left.plus(left), right=self.right.plus(right))
@@ -162,6 +171,21 @@ class SlipStream:
             return WheelSample(sample.stamp_ns, rates or ZERO)
         return WheelSample(self.last_out_ns, rates, (self.left.value, self.right.value))
 
+    def _of_body(
+            self, nominal: WheelPair, generator: 'np.random.Generator'
+    ) -> Tuple[WheelPair, float]:
+        """Return what the body adds to the travel of the wheels [m], and the variance of that."""
+        left, right = (
+            (1.0 + slip.bias) * radius * angle for slip, radius, angle in zip(
+                (self.left_slip, self.right_slip), self.radii, nominal))
+        half = 0.5 * self.separation
+        along, heading = body_variances(
+            self.body, 0.5 * (left + right), 0.5 * (right - left) / half if half else 0.0)
+        distance, turn = (
+            math.sqrt(variance) * float(draw_unit(self.body.distribution, generator))
+            for variance in (along, heading))
+        return (distance - half * turn, distance + half * turn), along + half * half * heading
+
     def _in_session(self, session: SessionError, wheels: WheelPair) -> WheelPair:
         """Return angles or rates of the wheels as they are in this session."""
         left, right = self.radii
@@ -171,15 +195,16 @@ class SlipStream:
 
 
 def _slip(
-        slip: WheelSlip, angle: float, radius: float, generator: 'np.random.Generator'
-) -> Tuple[float, float]:
+        slip: WheelSlip, angle: float, radius: float, generator: 'np.random.Generator',
+        of_body: float, variance: float) -> Tuple[float, float]:
     """
     Return (effective angle [rad], effective over nominal travel) of a nominal angle.
 
-    A wheel at rest draws nothing: how long it rests does not change what its next metre does.
+    To its travel the slip of the body adds ``of_body`` [m], of a variance [m^2].  A wheel at rest
+    draws nothing: how long it rests does not change what its next metre does.
     """
     if angle == 0.0:
-        return 0.0, 1.0 + slip.bias
+        return of_body / radius, 1.0 + slip.bias
     travel = angle * radius
-    effective = sample_travel(slip, travel, generator)
-    return float(effective) / radius, effective_ratio(slip, travel, float(effective))
+    effective = float(sample_travel(slip, travel, generator)) + of_body
+    return effective / radius, effective_ratio(slip, travel, effective, variance)

@@ -19,11 +19,11 @@ from typing import Any, List, Mapping, Sequence, Tuple
 
 from diffdrive_kinematics.core.commands import AxisLimits, DriveSettings
 from diffdrive_kinematics.core.kinematics import Command, WheelGeometry
-from diffdrive_kinematics.core.noise import SessionSpread, WheelSlip
+from diffdrive_kinematics.core.noise import BodySlip, SessionSpread, WheelSlip
 from diffdrive_kinematics.ros.parameters.tables import LIMITS, SWITCHES
 
 __all__ = [
-    'axis_limits', 'check_sides', 'check_wiring', 'commands_from', 'drive_settings',
+    'axis_limits', 'body_slip', 'check_sides', 'check_wiring', 'commands_from', 'drive_settings',
     'session_spread', 'wheel_geometry', 'wheel_radii', 'wheel_slips']
 
 Values = Mapping[str, Any]
@@ -53,6 +53,13 @@ def wheel_slips(values: Values) -> Tuple[WheelSlip, WheelSlip]:
                   values.get('slip_model', 'travel'), values['slip_distribution'])
         for side in ('left', 'right'))
     return left, right
+
+
+def body_slip(values: Values) -> BodySlip:
+    """Return what slips beside the wheels, by a node's values."""
+    return BodySlip(
+        *(values[f'{name}_slip_variance'] for name in ('linear', 'turn', 'heading')),
+        values.get('slip_distribution', 'gaussian'))
 
 
 def session_spread(values: Values) -> SessionSpread:

@@ -21,7 +21,7 @@ from diffdrive_kinematics.core.kinematics import Pose, WheelGeometry
 from diffdrive_kinematics.core.noise import (
     CERTAIN, heading_moments, PoseMoments, sample_heading)
 from diffdrive_kinematics.core.odometry import MeasuredWheels, Odometry, RateWindow, WheelPair
-from diffdrive_kinematics.ros.parameters.from_values import session_spread
+from diffdrive_kinematics.ros.parameters.from_values import body_slip, session_spread
 import numpy as np
 
 __all__ = ['configured_odometry', 'initial_odometry', 'initial_pose']
@@ -48,7 +48,7 @@ def initial_odometry(
         slip_variances: WheelPair) -> Odometry:
     """Return the odometry that has heard nothing yet."""
     pose, moments = initial_pose(values)
-    return _counting_session(Odometry.starting_at(
+    return _counting(Odometry.starting_at(
         pose, geometry=geometry, timeout_ns=timeout_ns, slip_variances=slip_variances,
         max_rate=_encoder_bound(values), unmeasured=MeasuredWheels(
             values['extrapolate_positions'],
@@ -59,14 +59,15 @@ def configured_odometry(
         old: Odometry, geometry: WheelGeometry, timeout_ns: Optional[int],
         slip_variances: WheelPair, values: Mapping[str, Any], now_ns: int) -> Odometry:
     """Return the odometry under settings from now on; where all are as before nothing changes."""
-    counting = _counting_session(old, values)
-    if (geometry, timeout_ns, slip_variances, counting.anchor) != (
-            old.geometry, old.timeout_ns, old.slip_variances, old.anchor):
-        old = _counting_session(
+    counting = _counting(old, values)
+    if (geometry, timeout_ns, slip_variances, counting.anchor, counting.body_slip) != (
+            old.geometry, old.timeout_ns, old.slip_variances, old.anchor, old.body_slip):
+        old = _counting(
             old.configured(geometry, timeout_ns, now_ns, slip_variances), values)
     return old._replace(wheels=old.wheels._replace(max_rate=_encoder_bound(values)))
 
 
-def _counting_session(odometry: Odometry, values: Mapping[str, Any]) -> Odometry:
-    """Return the odometry that counts what lasts a run, from its anchor on."""
-    return odometry._replace(anchor=odometry.anchor.with_session(session_spread(values)))
+def _counting(odometry: Odometry, values: Mapping[str, Any]) -> Odometry:
+    """Return the odometry that counts what lasts a run and slips of the body, from its anchor."""
+    return odometry._replace(
+        anchor=odometry.anchor.with_session(session_spread(values)), body_slip=body_slip(values))

@@ -85,7 +85,8 @@ class OdometryPublisher:
         if not any(twist) and reading.rates != self._twist_of:
             self._twist_of = reading.rates
             self._message.set_twist_covariance(twist_covariance(
-                odometry.geometry, reading.rates, *odometry.slip_variances, period, floor))
+                odometry.geometry, reading.rates, *odometry.slip_variances, period, floor,
+                odometry.body_slip))
         self._publisher.publish(self._message.encode(now_ns, reading))
 
 

@@ -19,7 +19,7 @@ import math
 from diffdrive_kinematics.core.kinematics import advance, Command, Pose, WheelGeometry
 from diffdrive_kinematics.core.noise import (
     body_covariance_along, body_variances, BodySlip, CERTAIN, DISTRIBUTIONS, NO_BODY_SLIP,
-    propagate, propagated_moments, sample_paths, slip_on_arc, WheelSlip)
+    propagate, propagated_moments, sample_paths, slip_on_arc, twist_covariance, WheelSlip)
 from hypothesis import given, settings, strategies as st
 import numpy as np
 import pytest
@@ -119,6 +119,18 @@ def test_the_second_moment_is_positive_semidefinite(course, k, body):
         pose, moments = propagated_moments(moments, pose, GEOMETRY, *d, k, k, body)
     values = np.linalg.eigvalsh(moments.second_moment().matrix())
     assert values[0] >= -1e-13 * values[-1]
+
+
+@pytest.mark.parametrize('n', [1, 10, 500])
+def test_twists_of_any_rate_gather_the_variances_of_the_way(n):
+    """One second of rates 20 and 30 rad/s."""
+    twist, still = (twist_covariance(
+        GEOMETRY, (20.0, 30.0), 1e-4, 2e-4, 1.0 / n, floor=0.0, body=body)
+        for body in (BODY, NO_BODY_SLIP))
+    added = body_variances(BODY, 1.25, 2.5)
+    assert (twist.vv - still.vv) / n == pytest.approx(added[0], rel=1e-9)
+    assert (twist.ww - still.ww) / n == pytest.approx(added[1], rel=1e-9)
+    assert twist.vw == still.vw
 
 
 @pytest.mark.parametrize(('values', 'name'), [

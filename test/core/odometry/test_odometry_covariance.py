@@ -19,7 +19,7 @@ import math
 
 from diffdrive_kinematics.core.kinematics import Pose, travel_from_angles, WheelGeometry
 from diffdrive_kinematics.core.noise import (
-    CERTAIN, NO_COVARIANCE, propagated_moments)
+    BodySlip, CERTAIN, NO_BODY_SLIP, NO_COVARIANCE, propagated_moments)
 from diffdrive_kinematics.core.odometry import Odometry, WheelSample
 import numpy as np
 import pytest
@@ -43,12 +43,12 @@ def fed(odometry, samples):
     return odometry
 
 
-def along(legs, end, slip=SLIP, pose=PLAIN.predict(0).pose, moments=CERTAIN):
+def along(legs, end, slip=SLIP, pose=PLAIN.predict(0).pose, moments=CERTAIN, body=NO_BODY_SLIP):
     """Return the moments of rates held from stamp to stamp, leg by leg."""
     for (stamp, rates), (until, _) in zip(legs, [*legs[1:], (end, None)]):
         seconds = (until - stamp) / 1e9
         travel = travel_from_angles(GEOMETRY, *(rate * seconds for rate in rates))
-        pose, moments = propagated_moments(moments, pose, GEOMETRY, *travel, *slip)
+        pose, moments = propagated_moments(moments, pose, GEOMETRY, *travel, *slip, body)
     return moments
 
 
@@ -145,3 +145,17 @@ def test_a_slip_variance_that_cannot_be_is_refused(slip):
     with pytest.raises(ValueError, match='slip variance is'):
         Odometry.starting_at(
             Pose(0.0, 0.0, 0.0), geometry=GEOMETRY, timeout_ns=S, slip_variances=slip)
+
+
+@pytest.mark.parametrize('slip', [SLIP, (0.0, 0.0)])
+@pytest.mark.parametrize('every', [10 * MS, 37 * MS, 300 * MS])
+def test_slip_of_the_body_counts_along_the_path_whatever_messages_it_came_by(slip, every):
+    body = BodySlip(1e-4, 1e-3, 2e-4)
+    repeats = [WheelSample(stamp, rates) for (begin, rates), (end, _) in zip(
+        LEGS, [*LEGS[1:], (END, None)]) for stamp in range(begin, end, every)]
+    odometry = fed(PLAIN._replace(slip_variances=slip, body_slip=body), repeats)
+    assert_same(odometry.covariance_at(END), along(LEGS, END, slip, body=body))
+    assert_same(odometry.configured(GEOMETRY, S, END).covariance_at(END),
+                along(LEGS, END, slip, body=body))
+    assert odometry.configured(GEOMETRY, S, END).body_slip == body
+    assert odometry.set_pose(Pose(0.0, 0.0, 0.0), NO_COVARIANCE, END).body_slip == body

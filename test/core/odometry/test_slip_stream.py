@@ -19,7 +19,7 @@ from itertools import accumulate
 import math
 
 from diffdrive_kinematics.core.kinematics import Pose, WheelGeometry
-from diffdrive_kinematics.core.noise import WheelSlip
+from diffdrive_kinematics.core.noise import body_variances, BodySlip, WheelSlip
 from diffdrive_kinematics.core.odometry import Odometry, SlipStream, Verdict, WheelSample
 from hypothesis import given, settings, strategies as st
 import numpy as np
@@ -36,6 +36,8 @@ LEFT, RIGHT = WheelSlip(0.05, 2e-3), WheelSlip(-0.02, 1e-3)
 A, B, STILL = (5.0, -4.0), (-2.0, 3.0), (0.0, 0.0)
 RADII = (GEOMETRY.left_radius, GEOMETRY.right_radius)
 NOISY = SlipStream(RADII, LEFT, RIGHT, T)
+BODY = BodySlip(1e-3, 0.02, 4e-3)
+BODIED = replace(NOISY, separation=GEOMETRY.separation, body=BODY)
 CLEAN = SlipStream(RADII, WheelSlip(), WheelSlip(), T)
 START = Odometry.starting_at(Pose(1.0, -2.0, 3.0), geometry=GEOMETRY, timeout_ns=T)
 pairs = st.tuples(st.floats(-10.0, 10.0), st.floats(-10.0, 10.0))
@@ -96,6 +98,52 @@ def test_travel_has_the_mean_and_variance_of_the_law_at_any_message_rate(rate, s
     ratio = travel.var(axis=0, ddof=1) / variance
     assert np.all(np.abs(ratio - 1.0) < Z * math.sqrt(2.0 / (seconds - 1)))
     assert abs(np.corrcoef(travel.T)[0, 1]) < Z / math.sqrt(seconds), 'wheels slip on their own'
+
+
+@pytest.mark.parametrize(('rate', 'seconds'), rest_slow([(100, 500), (20, 1000)]))
+@pytest.mark.parametrize('rates', [(5.0, 4.0), (-3.0, 3.5), (4.0, 0.0)])
+def test_slip_of_the_body_moves_both_wheels_as_its_law_says(rate, seconds, rates):
+    """Compare distance and turn of each second, beside slip of the wheels."""
+    period, (left, right) = S // rate, np.array(rates) * RADII * [1.05, 0.98]
+    _, out = passed(BODIED, (
+        WheelSample(k * period, rates) for k in range(rate * seconds + 1)), seed=rate)
+    angles = np.array([STILL] + [sample.positions for sample in out[rate::rate]])
+    travel = np.diff(angles, axis=0) * RADII
+    change = np.stack([0.5 * (travel[:, 0] + travel[:, 1]),
+                       (travel[:, 1] - travel[:, 0]) / GEOMETRY.separation])
+    mean = np.array([0.5 * (left + right), (right - left) / GEOMETRY.separation])
+    wheels = np.abs(rates) * RADII * [2e-3, 1e-3]
+    expected = np.array(body_variances(BODY, *mean)) + (
+        0.25 * wheels.sum(), wheels.sum() / GEOMETRY.separation**2)
+    assert np.all(np.abs(change.mean(axis=1) - mean) < Z * np.sqrt(expected / seconds))
+    assert np.all(np.abs(change.var(axis=1, ddof=1) / expected - 1.0)
+                  < Z * math.sqrt(2.0 / (seconds - 1)))
+    correlation = 0.5 * (wheels[1] - wheels[0]) / GEOMETRY.separation / math.sqrt(
+        np.prod(expected))
+    assert abs(np.corrcoef(change)[0, 1] - correlation) < Z / math.sqrt(seconds)
+
+
+def test_slip_of_the_body_in_a_straight_needs_no_separation():
+    stream = replace(CLEAN, body=BodySlip(linear_variance=1e-3))
+    _, out = passed(stream, [WheelSample(0, A), WheelSample(100 * MS, A)])
+    travel = np.array(out[1].positions) * RADII - 0.1 * np.array(A) * RADII
+    assert travel[0] == pytest.approx(travel[1]) and travel[0] != 0.0
+
+
+@pytest.mark.parametrize('stream', ['NOISY', 'BODIED'])
+def test_a_rest_of_any_length_draws_nothing_and_moves_nothing(stream):
+    _, out = passed(globals()[stream], [WheelSample(k * 100 * MS, STILL) for k in range(9)])
+    assert {sample.positions for sample in out[1:]} == {STILL}
+
+
+def test_the_velocity_is_that_of_the_way_with_slip_of_the_body_where_it_is_known():
+    stream = replace(CLEAN, separation=GEOMETRY.separation, body=BodySlip(1e-6, 1e-4, 1e-5))
+    _, out = passed(stream, [WheelSample(0, A), WheelSample(100 * MS, B)])
+    left, right = out[1].positions
+    assert out[1].rates == pytest.approx((-2.0 * left / 0.5, 3.0 * right / -0.4))
+    wild = replace(stream, body=BodySlip(turn_variance=10.0))
+    _, out = passed(wild, [WheelSample(0, A), WheelSample(100 * MS, B)])
+    assert out[1].rates == B, 'a single error would make many times the rate asked for'
 
 
 def test_the_velocity_is_the_rate_asked_for_times_what_the_interval_made_of_its_travel():

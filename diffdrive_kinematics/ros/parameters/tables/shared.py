@@ -73,6 +73,12 @@ SLIP = (
     Spec('left_slip_variance', 0.0, 'k [m] of the left wheel: Var[travel error] = k |travel|',
          check=check_non_negative),
     Spec('right_slip_variance', 0.0, 'k [m] of the right wheel: Var[travel error] = k |travel|',
+         check=check_non_negative),
+    Spec('linear_slip_variance', 0.0, 'k_d [m] of the body, beside the wheels: '
+         'Var[error of the way] = k_d |way|', check=check_non_negative),
+    Spec('turn_slip_variance', 0.0, 'k_t [rad] of the body: Var[error of the yaw] = k_t |turn| '
+         '+ k_x |way|', check=check_non_negative),
+    Spec('heading_slip_variance', 0.0, 'k_x [rad^2/m] of the body, likewise',
          check=check_non_negative))
 SESSION = (
     Spec('session_scale_stddev', 0.0, 'standard deviation, between runs, of a fraction by which '

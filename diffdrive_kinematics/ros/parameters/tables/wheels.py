@@ -31,8 +31,8 @@ from diffdrive_kinematics.ros.parameters.tables.shared import (
 WHEEL_NOISE = (
     *RADII, *JOINTS,
     replace(SEPARATION[0], description='distance L between left and right wheels [m], above 0; '
-            'only session_curvature_stddev asks for it', check=check_positive_or_nan,
-            required=False), SEPARATION[1],
+            'session_curvature_stddev, turn_slip_variance and heading_slip_variance ask for it',
+            check=check_positive_or_nan, required=False), SEPARATION[1],
     topic('input_topic', 'wheel_rates', 'nominal wheel motion in'),
     topic('output_topic', 'noisy_wheel_rates', 'effective wheel motion out'),
     ENCODER_RANGE,
