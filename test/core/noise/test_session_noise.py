@@ -38,7 +38,7 @@ def travel_of(distance, turn):
 
 COURSES = {
     'straight': [(5.0, 0.0)],
-    'circle': [(2.0, math.pi)] * 2,
+    'circle': [(2.5, math.pi)] * 2,
     'square': [(1.25, 0.0), (0.0, 0.5 * math.pi)] * 4}
 
 
@@ -83,8 +83,24 @@ def test_a_column_is_the_derivative_of_where_the_session_leads(only):
     ends = [driven(ARCS, SessionError(0.0, 0.0, 0.0)._replace(**{only: way * step}))
             for way in (-1.0, 1.0)]
     column = (ends[1] - ends[0]) / (2.0 * step)
-    covariance = believed(ARCS, 0.3, SessionSpread(**{only: 0.01})).covariance().matrix()
-    assert covariance == pytest.approx(1e-4 * np.outer(column, column), rel=1e-6, abs=1e-12)
+    covariance = believed(ARCS, 0.3, SessionSpread(**{only: 1e-6})).covariance().matrix()
+    assert 1e12 * covariance == pytest.approx(np.outer(column, column), rel=1e-6, abs=1e-8)
+
+
+def test_what_bows_the_end_are_the_second_derivatives_of_where_the_session_leads():
+    step = 1e-3
+
+    def end(separation, curvature):
+        x, y, _ = driven(ARCS, SessionError(0.0, step * separation, step * curvature))
+        return complex(x, y) / step**2
+
+    belief = believed(ARCS, 0.3)
+    by_separation = end(1, 0) - 2.0 * end(0, 0) + end(-1, 0)
+    assert by_separation - 2.0 * belief.by_turns == pytest.approx(belief.bow_turns, rel=1e-4)
+    assert end(0, 1) - 2.0 * end(0, 0) + end(0, -1) == pytest.approx(
+        belief.bow_curvature, rel=1e-4)
+    assert 0.25 * (end(1, 1) - end(1, -1) - end(-1, 1) + end(-1, -1)) == pytest.approx(
+        -belief.bow_both, rel=1e-3)
 
 
 def test_the_covariance_is_positive_semidefinite_over_random_drives():
@@ -103,11 +119,10 @@ def test_a_known_pose_starts_without_covariance():
     assert believed(ARCS, 0.0).restarted().covariance() == NO_COVARIANCE
 
 
-@pytest.mark.parametrize('course', COURSES)
-def test_nees_is_1_per_degree_of_freedom_with_slip_and_session(course):
-    runs, k = 1_000, 1e-6
+def errors_of_runs(course, k, spread, runs=1_000):
+    """Return the errors of runs with slip and a session each, and the moments of the slip."""
     slip, generator = WheelSlip(variance=k), np.random.default_rng(1)
-    error = draw_session(SPREAD, session_generator(2), runs)
+    error = draw_session(spread, session_generator(2), runs)
     truth, pose, moments = Pose(*np.zeros((3, runs))), Pose(0.0, 0.0, 0.0), CERTAIN
     for arc in COURSES[course]:
         d = travel_of(*arc)
@@ -117,12 +132,29 @@ def test_nees_is_1_per_degree_of_freedom_with_slip_and_session(course):
             travel = (sample_travel(slip, way, generator) for way in nominal)
             truth = advance(truth, *pose_change_from_travel(GEOMETRY, *travel))
         pose, moments = propagated_moments(moments, pose, GEOMETRY, *d, k, k)
-    covariance = moments.second_moment().plus(believed(COURSES[course], 0.0).covariance())
-    off = np.column_stack(truth) - np.array(pose)
-    found = np.sum(off @ np.linalg.inv(covariance.matrix()) * off, axis=1) / 3.0
-    assert abs(found.mean() - 1.0) < 4.0 * found.std() / math.sqrt(runs)
-    without = np.sum(off @ np.linalg.inv(moments.second_moment().matrix()) * off, axis=1) / 3.0
-    assert without.mean() > 1.5  # without them it is found out
+    return np.column_stack(truth) - np.array(pose), moments.second_moment()
+
+
+def nees(errors, covariance):
+    """Return ``e^T P^-1 e / 3`` of each run."""
+    return np.sum(errors @ np.linalg.inv(covariance.matrix()) * errors, axis=1) / 3.0
+
+
+@pytest.mark.parametrize('course', COURSES)
+def test_nees_is_1_per_degree_of_freedom_with_slip_and_session(course):
+    errors, of_slip = errors_of_runs(course, 1e-6, SPREAD)
+    found = nees(errors, of_slip.plus(believed(COURSES[course], 0.0).covariance()))
+    assert abs(found.mean() - 1.0) < 4.0 * found.std() / math.sqrt(len(found))
+    assert nees(errors, of_slip).mean() > 1.5  # without the session it is found out
+
+
+@pytest.mark.parametrize('yaw', [0.02, 0.1, 0.2])
+@pytest.mark.parametrize('course', COURSES)
+def test_a_session_that_turns_the_robot_far_bows_its_end_and_nees_stays_1(course, yaw):
+    spread = SessionSpread(0.001, 0.005, yaw / 5.0)
+    errors, of_slip = errors_of_runs(course, 1e-6, spread)
+    found = nees(errors, of_slip.plus(believed(COURSES[course], 0.0, spread).covariance()))
+    assert abs(found.mean() - 1.0) < 4.0 * found.std() / math.sqrt(len(found))
 
 
 def test_sampled_paths_have_one_session_each():
