@@ -13,7 +13,9 @@
 # limitations under the License.
 
 """
-Print how exact moments and first order fare on courses of 20 m: a Markdown table; draw a straight.
+Print how exact moments and first order fare on courses of 20 m, and then with what lasts a run.
+
+The tables are Markdown; with a name of a file it draws a straight.
 
 Usage: ``python docs/measure_uncertainty.py [picture.png]``.  Takes a minute; the picture needs
 matplotlib.
@@ -26,13 +28,15 @@ from typing import List, Tuple
 from diffdrive_kinematics.core.kinematics import (
     advance, Pose, pose_change_from_travel, WheelGeometry)
 from diffdrive_kinematics.core.noise import (
-    CERTAIN, NO_COVARIANCE, PoseCovariance, propagated_covariance, propagated_moments,
-    sample_travel, WheelSlip)
+    CERTAIN, draw_session, NO_COVARIANCE, NO_SESSION, PoseCovariance, propagated_covariance,
+    propagated_moments, sample_travel, session_generator, SessionBelief, SessionSpread,
+    travel_in_session, WheelSlip)
 import numpy as np
 
 GEOMETRY = WheelGeometry(wheel_separation=0.2, wheel_radius=0.05)
 ORIGIN = Pose(0.0, 0.0, 0.0)
 YAWS, RUNS = (0.02, 0.1, 0.2, 0.3), 1_000
+SESSION_YAWS, SESSION_SLIP = (0.03, 0.1, 0.2), 1e-6
 STEP = 0.1  # of a wheel [m]
 QUANTILE = 7.8147  # 95 % of chi-square with 3 degrees of freedom
 INSIDE = 5.9915  # the same with 2: of the ellipses
@@ -66,15 +70,20 @@ def believed(course: List[Travel], k: float) -> Tuple[Pose, PoseCovariance, Pose
     return pose, moments.second_moment(), covariance
 
 
-def sampled(course: List[Travel], k: float, runs: int, seed: int) -> np.ndarray:
+def sampled(
+        course: List[Travel], k: float, runs: int, seed: int,
+        spread: SessionSpread = NO_SESSION) -> np.ndarray:
     """Return the ends (x, y, theta) of runs from the origin, shape (runs, 3)."""
     generator, slip = np.random.default_rng(seed), WheelSlip(variance=k)
+    session = draw_session(spread, session_generator(seed), runs)
     truth = Pose(*np.zeros((3, runs)))
     for d in course:
         steps = math.ceil(max(map(abs, d)) / STEP)
+        ways = travel_in_session(
+            session, GEOMETRY.separation, *(np.full(runs, way / steps) for way in d))
         for _ in range(steps):
             truth = advance(truth, *pose_change_from_travel(GEOMETRY, *(
-                sample_travel(slip, np.full(runs, way / steps), generator) for way in d)))
+                sample_travel(slip, way, generator) for way in ways)))
     return np.column_stack(truth)
 
 
@@ -98,6 +107,25 @@ def table() -> None:
               f'| {exact.std() / 3.0 / math.sqrt(RUNS):.2f} '
               f'| {100.0 * np.mean(first > QUANTILE):.1f} % '
               f'| {100.0 * np.mean(exact > QUANTILE):.1f} % |')
+
+
+def session_table() -> None:
+    """Print NEES per degree of freedom with and without what lasts a run, beside the slip."""
+    print('\n| course | yaw std of the curvature [rad] | NEES, slip alone | NEES, with the session '
+          '| standard error |\n|---|---|---|---|---|')
+    for seed, (name, yaw) in enumerate((name, yaw) for name in COURSES for yaw in SESSION_YAWS):
+        spread = SessionSpread(0.0005, 0.003, yaw / 20.0)
+        belief, heading = SessionBelief(spread), 0.0
+        for d in COURSES[name]:
+            distance, turn = pose_change_from_travel(GEOMETRY, *d)
+            belief, heading = belief.after(heading, distance, turn), heading + turn
+        pose, exact, _ = believed(COURSES[name], SESSION_SLIP)
+        error = sampled(COURSES[name], SESSION_SLIP, RUNS, seed, spread) - np.array(pose)
+        alone, both = (
+            np.sum(error @ np.linalg.inv(p.matrix()) * error, axis=1) / 3.0
+            for p in (exact, exact.plus(belief.covariance())))
+        print(f'| {name} | {yaw} | {alone.mean():.2f} | {both.mean():.2f} '
+              f'| {both.std() / math.sqrt(RUNS):.2f} |')
 
 
 def picture(file: str) -> None:
@@ -124,5 +152,6 @@ def picture(file: str) -> None:
 
 if __name__ == '__main__':
     table()
+    session_table()
     for path in sys.argv[1:]:
         picture(path)
