@@ -111,9 +111,10 @@ def table() -> None:
 
 def session_table() -> None:
     """Print NEES per degree of freedom with and without what lasts a run, beside the slip."""
-    print('\n| course | yaw std of the curvature [rad] | NEES, slip alone | NEES, with the session '
-          '| standard error |\n|---|---|---|---|---|')
-    for seed, (name, yaw) in enumerate((name, yaw) for name in COURSES for yaw in SESSION_YAWS):
+    print('\n| course | yaw std of the curvature [rad] | NEES, slip alone | NEES, with the '
+          'session | standard error |\n|---|---|---|---|---|')
+    cases = [(name, yaw) for name in COURSES for yaw in SESSION_YAWS]
+    for seed, (name, yaw) in enumerate(cases):
         spread = SessionSpread(0.0005, 0.003, yaw / 20.0)
         belief, heading = SessionBelief(spread), 0.0
         for d in COURSES[name]:
