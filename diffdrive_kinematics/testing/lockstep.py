@@ -63,31 +63,35 @@ def spin(node: Node) -> None:
 
 
 class _Patience(TimeoutObject):
-    """A timeout that can be changed: with another argument an executor forgets what is ready."""
+    """
+    A timeout that can be changed: with another argument an executor forgets what is ready.
+
+    The executor asks for it once each time that it looks for what is ready.
+    """
 
     def __init__(self) -> None:
-        self.seconds = 0.0
+        self.seconds, self.looks = 0.0, 0
 
     @property
     def timeout(self) -> float:
+        self.looks += 1
         return self.seconds
 
 
 def _work_off(executor: SingleThreadedExecutor, patience: _Patience) -> None:
     """Wait for something to do, and do all that there is, in the order of ``rclpy.spin``."""
-    patience.seconds, worked = WAIT_S, False
+    patience.seconds, looks = WAIT_S, 0
     while True:
         try:
             handler, _, _ = executor.wait_for_ready_callbacks(timeout_sec=patience)
         except TimeoutException:
-            if not worked:
+            if patience.looks > looks:
                 return
-            worked = False  # what was done may have made more to do: look once more
-            continue
+            continue  # what was done may have made more to do: look once more
         handler()
         if handler.exception() is not None:
             raise handler.exception()
-        patience.seconds, worked = 0.0, True
+        patience.seconds, looks = 0.0, patience.looks
 
 
 def _described(node: Node) -> str:

@@ -22,6 +22,8 @@ import subprocess
 import tempfile
 from typing import Dict, Mapping, Optional, Sequence, Set
 
+from diffdrive_kinematics.testing.at_rest import can_tell, Threads
+
 __all__ = ['Process', 'ProcessFailed']
 
 PATIENCE_S = 3.0
@@ -47,13 +49,15 @@ class Process:
         What to call it in errors.
     lockstep : bool
         Whether it acknowledges each step (``diffdrive_kinematics.testing.spin``).
+    restless : bool
+        Whether one of its threads works all the time, so that nothing is to be learnt from it.
 
     """
 
     def __init__(
             self, command: Sequence[str], environment: Mapping[str, str], *, name: str,
-            lockstep: bool) -> None:
-        self.name, self.lockstep = name, lockstep
+            lockstep: bool, restless: bool = False) -> None:
+        self.name, self.lockstep, self.restless = name, lockstep, restless
         self.acknowledged_ns = -1
         self.shared_memory: Set[str] = set()
         self._file = tempfile.TemporaryFile(mode='w+')
@@ -61,6 +65,7 @@ class Process:
             [*command, '--ros-args', '-p', 'use_sim_time:=true'], stdin=subprocess.DEVNULL,
             stdout=self._file, stderr=subprocess.STDOUT, start_new_session=True,
             env={**os.environ, **environment})
+        self.threads = Threads(self.pid) if can_tell() else None
 
     @property
     def pid(self) -> int:
@@ -108,6 +113,8 @@ class Process:
         self.stop()
         self._signal(signal.SIGKILL)
         self._file.close()
+        if self.threads:
+            self.threads.close()
 
     def _end(self, number: int) -> bool:
         self._note_shared_memory()

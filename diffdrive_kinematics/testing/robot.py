@@ -174,7 +174,7 @@ class Robot:
                 process.describe('runs') for process in self._processes))
 
     def start_process(
-            self, command: Sequence[str], *, lockstep: bool = False,
+            self, command: Sequence[str], *, lockstep: bool = False, restless: bool = False,
             environment: Optional[Mapping[str, str]] = None) -> Process:
         """
         Start a process under test in the robot's domain, on its clock, and wait until it is there.
@@ -185,6 +185,9 @@ class Robot:
             What to run.
         lockstep : bool
             Whether it calls ``diffdrive_kinematics.testing.spin``: then every step waits for it.
+        restless : bool
+            Whether one of its threads works all the time, as in a loop around ``spin_once``.  It
+            is not waited for then, but for a while in which nothing comes from it.
         environment : mapping, optional
             Variables to set.
 
@@ -197,7 +200,8 @@ class Robot:
         process = Process(
             [str(part) for part in command],
             {**environment_of(self.domain), **(environment or {})},
-            name=' '.join(Path(str(part)).name for part in command), lockstep=lockstep)
+            name=' '.join(Path(str(part)).name for part in command), lockstep=lockstep,
+            restless=restless)
         self._processes.append(process)
         self._stepping.begin(process)
         return process
@@ -228,6 +232,7 @@ class Robot:
         """End everything."""
         for process in self._processes:
             process.close()
+        self._stepping.close()
         self._nodes.close()
         for path in {each for process in self._processes for each in process.shared_memory}:
             Path(path).unlink(missing_ok=True)  # nobody else was in this domain

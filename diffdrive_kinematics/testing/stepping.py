@@ -20,6 +20,7 @@ from typing import Any, Callable, List, Optional
 from diffdrive_kinematics.ros.messages.messages import set_stamp
 from diffdrive_kinematics.ros.parameters.qos import reliable
 from diffdrive_kinematics.ros.runtime.clocks import SteppedClock
+from diffdrive_kinematics.testing.at_rest import Rest, Threads
 from diffdrive_kinematics.testing.lockstep import IDLE_TOPIC
 from diffdrive_kinematics.testing.messages import RecordedMessages
 from diffdrive_kinematics.testing.processes import Process, ProcessFailed
@@ -32,9 +33,11 @@ __all__ = ['Stepping']
 
 DEADLINE_S = 20.0
 POLL_S = 0.02
+REST_POLL_S = 0.0001
+COME_TO_REST = 'come to rest (one whose thread always works needs restless=True)'
 REPEAT_S = 0.5
 SILENCE_S = 0.003
-"""For how long nothing may come from a process that does not say when it is done."""
+"""For how long nothing may come where this system does not tell whether a process is done."""
 
 STILL_S = 0.5
 """For how long the graph may not change before such a process counts as ready."""
@@ -67,6 +70,7 @@ class Stepping:
         observer.create_subscription(Header, IDLE_TOPIC, self._on_idle, reliable(1000))
         self._idle_ns: 'dict[str, int]' = {}
         self._ends: 'dict[str, List[str]]' = {}
+        self._rest = Rest(executor)
 
     def step(self, *, tell: bool = True, wait_for: Optional[str] = None) -> None:
         """Let one step pass; ``tell`` the processes, and wait until they have handled it."""
@@ -92,20 +96,45 @@ class Stepping:
         """Show the time to the processes, and wait until they have handled it."""
         for process in self.processes:
             process.check()
+        self._watch(self._watched(), self._rest.asleep)  # what the robot said is heard
         came = self._messages.arrived[wait_for] if wait_for else 0
         now_ns = self.clock.now_ns()
         self._show()
-        steady = [each for each in self.processes if each.lockstep and each.running]
-        if steady:
+        if steady := [each for each in self.processes if each.lockstep and each.running]:
             self.wait(lambda: all(
                 self._idle_ns.get(each.name, -1) >= now_ns or not each.running
                 for each in steady), 'acknowledge the step', steady, show=True)
         if wait_for:
             self.wait(lambda: self._messages.arrived[wait_for] > came,
                       f'publish {wait_for!r}', self.processes, show=True)
-        elif any(each.running and not each.lockstep for each in self.processes):
+        self.rest(silence=not wait_for)
+
+    def rest(self, *, silence: bool = False) -> None:
+        """
+        Let the processes handle all that they have heard, and the robot all that they say.
+
+        Where this system does not tell that they are done, those that do not tell it themselves
+        are given a while of ``silence``.
+        """
+        running = [each for each in self.processes if each.running]
+        watched = self._watched()
+        if not all(each.lockstep for each in watched):  # else they have told already
+            self._watch(watched, lambda threads: (
+                self._rest.reached(threads) and self._messages.settled()))
+        if silence and any(not each.lockstep for each in running if each not in watched):
             self._be_silent()
         self.deliver()
+
+    def _watched(self) -> List[Process]:
+        return [each for each in self.processes
+                if each.running and self._rest.can_tell and not each.restless]
+
+    def _watch(self, watched: List[Process], done: Callable[[List[Threads]], bool]) -> None:
+        threads = [each.threads for each in watched]
+        if threads:
+            self.wait(lambda: done(threads), COME_TO_REST, watched,
+                      pause=lambda: time.sleep(REST_POLL_S),
+                      suspects=lambda: [each for each in watched if not each.threads.asleep()])
 
     def deliver(self) -> None:
         """Let every message between the robot's nodes be handled, and all that these cause."""
@@ -114,13 +143,15 @@ class Stepping:
 
     def wait(
             self, condition: Callable[[], Any], what: str, processes: List[Process], *,
-            show: bool = False, timeout: Optional[float] = None) -> None:
+            show: bool = False, timeout: Optional[float] = None,
+            pause: Optional[Callable[[], None]] = None,
+            suspects: Optional[Callable[[], List[Process]]] = None) -> None:
         """Spin until a condition holds, or raise ``ProcessFailed``."""
         timeout = timeout or DEADLINE_S
-        deadline = time.monotonic() + timeout
-        show_at = time.monotonic() + REPEAT_S
+        pause = pause or (lambda: self._executor.spin_once(timeout_sec=POLL_S))
+        deadline, show_at = time.monotonic() + timeout, time.monotonic() + REPEAT_S
         while not condition():
-            self._executor.spin_once(timeout_sec=POLL_S)
+            pause()
             now = time.monotonic()
             if show and now > show_at:  # who finds the publisher late has missed it
                 self._show()
@@ -128,7 +159,8 @@ class Stepping:
                 for process in self.processes:
                     process.check()
             if now > deadline:
-                names = [each for each in processes if each.running] or processes
+                names = (suspects and suspects()) or [
+                    each for each in processes if each.running] or processes
                 raise ProcessFailed('\n'.join(
                     each.describe(f'did not {what} within {timeout:.0f} s') for each in names)
                     or f'the robot did not {what} within {timeout:.0f} s')
@@ -201,6 +233,10 @@ class Stepping:
             now = sum(self._messages.arrived.values())
             if now > came:
                 came, until = now, time.monotonic() + SILENCE_S
+
+    def close(self) -> None:
+        """Look at no process any more."""
+        self._rest.close()
 
     def _show(self) -> None:
         message = Clock()

@@ -14,9 +14,7 @@
 
 """The fixture ``diffdrive``, which users of the package test their nodes with."""
 
-import hashlib
 from pathlib import Path
-import re
 import subprocess
 import sys
 
@@ -24,26 +22,9 @@ from diffdrive_kinematics.testing import stepping
 from diffdrive_kinematics.testing.processes import ProcessFailed
 from geometry_msgs.msg import PoseStamped, Twist
 import pytest
+from support.planners import NOISE, ROBOT
 
 pytestmark = pytest.mark.ros
-
-PAGE = Path(__file__).resolve().parents[2] / 'docs' / 'tutorial' / 'test_your_node.md'
-ROBOT = {'wheel_radius': 0.033, 'wheel_separation': 0.16, 'enable_odom_tf': False}
-NOISE = {'left_bias': 0.01, 'left_slip_variance': 1e-5, 'right_slip_variance': 1e-5, 'seed': 3}
-BUSY = 'while True: pass'
-SPIN, LOCKSTEP = 'rclpy.spin(', 'from diffdrive_kinematics.testing import spin\nspin('
-
-
-@pytest.fixture
-def files(tmp_path):
-    """Return the directory with the files that the tutorial shows."""
-    blocks = re.findall(r'^```python\n# (\S+)\n(.*?)^```', PAGE.read_text(), re.M | re.S)
-    assert [name for name, _ in blocks] == ['my_planner.py', 'test_my_planner.py']
-    for name, text in blocks:
-        (tmp_path / name).write_text(text)
-    planner = (tmp_path / 'my_planner.py').read_text()
-    (tmp_path / 'in_lockstep.py').write_text(planner.replace(SPIN, LOCKSTEP))
-    return tmp_path
 
 
 def test_the_example_of_the_tutorial_passes_as_it_is_written(files):
@@ -207,54 +188,3 @@ def test_a_topic_of_others_is_kept_when_it_is_listened_to(diffdrive):
     robot.listen(Twist, 'plan')
     robot.publish('plan', Twist())
     assert [each.time for each in robot.history('plan')] == [0.0]
-
-
-def driven(make, command, *, lockstep, **options):
-    """Return a hash of the odometry of a closed loop to a goal."""
-    robot = make(params=ROBOT, noise=NOISE)
-    robot.start_process(command, lockstep=lockstep)
-    robot.advance(0.5, **options)
-    pose = PoseStamped()
-    pose.pose.position.x, pose.pose.position.y = 0.3, 0.2
-    robot.publish('goal_pose', pose)
-    robot.advance(0.5, **options)
-    robot.advance_until(lambda: robot.odom.speed == 0.0, timeout=30.0, **options)
-    assert robot.odom.distance_to(0.3, 0.2) < 0.03
-    kept = [(each.time, each.message) for each in robot.history('odom')]
-    return hashlib.sha256(repr(kept).encode()).hexdigest(), robot.truth
-
-
-def test_a_node_that_is_not_waited_for_ends_nearly_at_the_same_place(files):
-    """By how much runs differ depends on the machine; the robot still comes to its goal."""
-    from diffdrive_kinematics.testing import Robot
-    ends = []
-    for _ in range(2):
-        robots = []
-        try:
-            ends.append(driven(lambda **made: robots.append(Robot(**made)) or robots[-1],
-                               [sys.executable, files / 'my_planner.py'], lockstep=False)[1])
-        finally:
-            for robot in robots:
-                robot.close()
-    assert ends[0].distance_to(*ends[1][:2]) < 0.1
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(('name', 'lockstep', 'options'), [
-    ('in_lockstep.py', True, {}), ('my_planner.py', False, {'wait_for': 'cmd_vel'})])
-def test_a_closed_loop_gives_the_same_bits_on_a_busy_machine_too(files, name, lockstep, options):
-    from diffdrive_kinematics.testing import Robot
-    hashes = set()
-    for busy in (0, 0, 3, 3):
-        others = [subprocess.Popen([sys.executable, '-c', BUSY]) for _ in range(busy)]
-        robots = []
-        try:
-            hashes.add(driven(lambda **made: robots.append(Robot(**made)) or robots[-1],
-                              [sys.executable, files / name], lockstep=lockstep, **options)[0])
-        finally:
-            for each in others:
-                each.kill()
-                each.wait()
-            for robot in robots:
-                robot.close()
-    assert len(hashes) == 1

@@ -1,0 +1,183 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""A robot and processes under test in lockstep: what is the same in every run, and what is not."""
+
+from contextlib import contextmanager
+import hashlib
+import os
+import signal
+import subprocess
+import sys
+
+from diffdrive_kinematics.testing import Robot, stepping
+from diffdrive_kinematics.testing.at_rest import can_tell, Threads
+from diffdrive_kinematics.testing.processes import ProcessFailed
+from geometry_msgs.msg import PoseStamped
+import pytest
+from support.planners import NOISE, ROBOT
+
+pytestmark = [pytest.mark.ros, pytest.mark.skipif(
+    not can_tell(), reason='this system does not tell what threads do')]
+
+BUSY = 'while True: pass'
+GOAL = 0.3, 0.2
+WAITS = {'wait_for': 'cmd_vel'}
+
+
+@contextmanager
+def other_work(count):
+    """Keep the processors busy."""
+    others = [subprocess.Popen([sys.executable, '-c', BUSY]) for _ in range(count)]
+    try:
+        yield
+    finally:
+        for each in others:
+            each.kill()
+            each.wait()
+
+
+def driven(planner, *, busy=0, options=None, **process):
+    """Return a hash of the odometry of a closed loop to a goal, and where it ended."""
+    options = options or {}
+    with other_work(busy):
+        robot = Robot(params=ROBOT, noise=NOISE)
+        try:
+            robot.start_process([sys.executable, planner], **process)
+            robot.advance(0.5, **options)
+            pose = PoseStamped()
+            pose.pose.position.x, pose.pose.position.y = GOAL
+            robot.publish('goal_pose', pose)
+            robot.advance(0.5, **options)
+            robot.advance_until(lambda: robot.odom.speed == 0.0, timeout=30.0, **options)
+            assert robot.odom.distance_to(*GOAL) < 0.03
+            kept = [(each.time, each.message) for each in robot.history('odom')]
+            return hashlib.sha256(repr(kept).encode()).hexdigest(), robot.truth
+        finally:
+            robot.close()
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(900)
+def test_a_node_that_knows_nothing_of_us_does_the_same_in_twenty_runs(files):
+    """Four of them on a busy machine."""
+    assert len({driven(files / 'my_planner.py', busy=busy)[0] for busy in [0] * 16 + [3] * 4}) == 1
+
+
+@pytest.mark.slow
+def test_it_does_not_matter_how_a_node_is_waited_for(files):
+    """Nor that what it does depends on whether odometry or the clock comes first."""
+    plain, ours = files / 'reads_clock.py', files / 'reads_clock_in_lockstep.py'
+    assert len({driven(*arguments, busy=busy, **options)[0] for busy in (0, 3) for
+                arguments, options in (
+                    ([plain], {}), ([plain], {'options': WAITS}),
+                    ([ours], {'lockstep': True}))}) == 1
+
+
+@pytest.mark.slow
+def test_where_lockstep_is_not_promised_it_is_told_by_how_much_runs_differ(
+        files, record_property):
+    """A thread that works when it wants to: the robot comes to its goal, not by the same bits."""
+    (one, ends), (other, there) = [
+        driven(files / 'has_thread.py', busy=busy) for busy in (0, 3)]
+    apart = ends.distance_to(*there[:2])
+    record_property('runs end apart [m]', apart)
+    print(f'two runs end {apart:.6f} m apart')
+    assert one != other
+    assert apart < 0.06  # as each believes to be within 0.03 m
+
+
+def test_a_process_that_sleeps_is_at_rest_and_one_that_works_is_not():
+    sleeper = subprocess.Popen([sys.executable, '-c', 'input()'], stdin=subprocess.PIPE)
+    worker = subprocess.Popen([sys.executable, '-c', BUSY])
+    parent = subprocess.Popen(
+        ['sh', '-c', f'{sys.executable} -c "{BUSY}"; true'], start_new_session=True)
+    threads = {each: Threads(each.pid) for each in (sleeper, worker, parent)}
+    try:
+        def looks():
+            for each in threads.values():
+                each.find()
+            return [each.asleep() for each in threads.values()]
+
+        while looks() != [True, False, False]:
+            assert worker.poll() is None and parent.poll() is None
+        before = threads[sleeper].cpu_time()
+        assert threads[worker].cpu_time() > (0,)
+        assert threads[sleeper].cpu_time() == before
+    finally:
+        os.killpg(parent.pid, signal.SIGKILL)
+        for each in threads:
+            each.kill()
+            each.wait()
+            threads[each].close()
+
+
+def test_a_node_that_hangs_is_named_though_it_tells_nothing(diffdrive, files, monkeypatch):
+    monkeypatch.setattr(stepping, 'DEADLINE_S', 8.0)
+    path = files / 'hangs.py'
+    path.write_text((files / 'my_planner.py').read_text().replace(
+        '        command = Twist()', "        print('thinking')\n        while True: pass"))
+    robot = diffdrive(params=ROBOT)
+    innocent = robot.start_process([sys.executable, files / 'my_planner.py'])
+    robot.start_process([sys.executable, path])
+    with pytest.raises(ProcessFailed, match='hangs.py did not come to rest') as held:
+        robot.advance(1.0)
+    assert 'thinking' in str(held.value)
+    assert innocent.running and 'my_planner' not in str(held.value)
+
+
+def test_a_node_that_waits_for_ever_is_named_by_who_waits_for_the_robot(diffdrive, files):
+    path = files / 'waits.py'
+    path.write_text((files / 'my_planner.py').read_text().replace(
+        '        command = Twist()', "        print('thinking')\n        signal.pause()").replace(
+            'import math', 'import math\nimport signal'))
+    robot = diffdrive(params=ROBOT)
+    robot.start_process([sys.executable, path])
+    with pytest.raises(
+            AssertionError, match=r'not within 1.0 simulated[\s\S]*waits.py[\s\S]*thinking'):
+        robot.advance_until(lambda: robot.odom.speed > 0.1, timeout=1.0)
+
+
+def test_a_node_that_never_rests_is_told_so_and_may_be_given_silence(
+        diffdrive, files, monkeypatch):
+    monkeypatch.setattr(stepping, 'DEADLINE_S', 8.0)
+    command = [sys.executable, files / 'never_rests.py']
+    robot = diffdrive(params=ROBOT)
+    robot.start_process(command)
+    with pytest.raises(ProcessFailed, match='never_rests.py did not come to rest.*restless=True'):
+        robot.advance(1.0)
+    other = diffdrive(params=ROBOT)
+    other.start_process(command, restless=True)
+    other.advance(1.0)
+    assert other.history('cmd_vel')
+
+
+def test_a_request_to_the_robot_is_answered_before_time_moves(diffdrive, files):
+    path = files / 'asks.py'
+    path.write_text((files / 'my_planner.py').read_text().replace(
+        'from rclpy.node', 'from std_srvs.srv import Trigger\nfrom rclpy.node').replace(
+        '        self.create_timer(', """\
+        self.client = self.create_client(Trigger, 'simulated_base/reset')
+        self.create_timer(1.0, self.ask)
+        self.create_timer(""").replace('    def on_timer', """\
+    def ask(self):
+        asked = self.get_clock().now()
+        self.client.call_async(Trigger.Request()).add_done_callback(
+            lambda _: print('waited', (self.get_clock().now() - asked).nanoseconds))
+
+    def on_timer"""))
+    robot = diffdrive(params=ROBOT)
+    process = robot.start_process([sys.executable, path])
+    robot.advance(3.0)
+    assert process.output.split('\n')[:3] == ['waited 0'] * 3
