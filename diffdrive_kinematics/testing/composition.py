@@ -17,8 +17,8 @@
 from pathlib import Path
 from typing import Any, Dict, Mapping, NamedTuple, Tuple, Union
 
-from diffdrive_kinematics.nodes.diffdrive_sim import build
-from diffdrive_kinematics.ros.parameters.members import Member
+from diffdrive_kinematics.nodes.diffdrive_sim import CLASSES
+from diffdrive_kinematics.ros.parameters.members import Member, members_of
 import yaml
 
 __all__ = ['Composition', 'composition']
@@ -75,13 +75,13 @@ def composition(
     if not values['clock_step'] > 0.0:
         raise ValueError(f"clock_step is {values['clock_step']!r} s, expected above 0")
     sections.setdefault('/**', {}).update(params)
-    for member in (wanted := build({**values, 'real_time_factor': 0.0})).members:
+    for member in (members := members_of(values['nodes'], CLASSES)):
         if member.kind == 'wheel_noise' and noise:
             sections.setdefault(f'/**/{member.name}', {}).update(noise)
-    if noise and not any(member.kind == 'wheel_noise' for member in wanted.members):
+    if noise and not any(member.kind == 'wheel_noise' for member in members):
         raise ValueError(f'noise is {dict(noise)!r}, expected a wheel_noise among the nodes')
     ordered = {'/**': sections.pop('/**'), **sections}  # a later one would beat the others
-    return Composition(wanted.members, wanted.clock_step_ns, yaml.safe_dump(
+    return Composition(members, round(values['clock_step'] * 1e9), yaml.safe_dump(
         {name: {PARAMETERS: section} for name, section in ordered.items() if section},
         sort_keys=False))
 
