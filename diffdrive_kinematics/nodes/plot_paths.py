@@ -84,7 +84,7 @@ def picture_of(config: Config) -> Picture:
     return Picture(
         paths, Pose(*map(np.array, zip(*poses))), [
             (poses[i], moments[i].second_moment()) for i in after],
-        boundaries, _title(config))
+        boundaries, _title(config), _travels(config))
 
 
 def _beliefs(start: Pose, config: Config) -> Tuple[List[Pose], List[PoseMoments]]:
@@ -99,6 +99,13 @@ def _beliefs(start: Pose, config: Config) -> Tuple[List[Pose], List[PoseMoments]
         poses.append(pose)
         moments.append(after)
     return poses, moments
+
+
+def _travels(config: Config) -> List[float]:
+    """Return how far the centre goes in each step, with the bias of the wheels."""
+    gains = [1.0 + slip.bias for slip in config.slips]
+    return [float(np.mean(np.multiply(gains, travel_of_command(command, config.geometry))))
+            for command in config.steps]
 
 
 def _starts(start: Pose, config: Config) -> Pose:

@@ -12,18 +12,19 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The picture of a calibration: return errors as UMBmark draws them, or errors over time."""
+"""The picture of a calibration: return errors as UMBmark draws them, or ways and their errors."""
 
 from typing import Any, List, Sequence, Tuple
 
 from diffdrive_kinematics.core.calibration import (
-    linearised, RecordedDrive, ReturnError, TrajectoryFit, Umbmark, windows_between)
-from diffdrive_kinematics.core.kinematics import WheelGeometry
+    CalibrationParameters, linearised, odometry_at, RecordedDrive, ReturnError, TrajectoryFit,
+    Umbmark, windows_between)
+from diffdrive_kinematics.core.kinematics import Pose, WheelGeometry
 from diffdrive_kinematics.tools.calibration import Calibration
 from diffdrive_kinematics.tools.drawing import file_of, new_figure
 import numpy as np
 
-__all__ = ['picture_of']
+__all__ = ['picture_of', 'way_by_odometry']
 
 BEFORE, AFTER = '#cc3311', '#4477aa'
 WINDOW_S, EVERY_S, TOLERANCE_S = 10.0, 1.0, 0.1
@@ -39,11 +40,14 @@ def picture_of(calibration: Calibration, suffix: str) -> bytes:
         If matplotlib is missing.
 
     """
-    figure = new_figure(figsize=(9.0, 6.0))
     if isinstance(calibration.source[0], Umbmark):
+        figure = new_figure(figsize=(9.0, 6.0))
         _draw_returns(figure, *calibration.source)
     else:
-        _draw_windows(figure, *calibration.source)
+        figure = new_figure(figsize=(13.0, 6.0))
+        plan, errors = figure.subfigures(1, 2)
+        _draw_plan(plan, *calibration.source)
+        _draw_windows(errors, *calibration.source)
     return file_of(figure, suffix)
 
 
@@ -72,6 +76,63 @@ def _draw_returns(
         fontsize='medium')
     axes.grid(alpha=0.25)
     axes.legend(fontsize='small')
+
+
+def way_by_odometry(
+        geometry: WheelGeometry, drive: RecordedDrive, systematic: CalibrationParameters,
+        frame: Pose) -> 'np.ndarray':
+    """
+    Return where odometry has the frame of the reference, from where the reference begins.
+
+    Parameters
+    ----------
+    geometry : WheelGeometry
+        Of the wheels as given.
+    drive : RecordedDrive
+        With m samples of the reference.
+    systematic : CalibrationParameters
+        Factors on the geometry, and the clocks.
+    frame : Pose
+        That of the reference on the robot.
+
+    Returns
+    -------
+    numpy.ndarray, shape (m, 2)
+        Positions (x, y) in the fixed frame of the reference [m].
+
+    """
+    x, y, heading = odometry_at(geometry, drive, systematic).T
+    way = x + 1j * y + complex(frame.x, frame.y) * np.exp(1j * heading)
+    start_x, start_y, start_heading = drive.reference[0]
+    turned = np.exp(1j * (start_heading - heading[0] - frame.theta)) * (way - way[0])
+    return np.stack([start_x + turned.real, start_y + turned.imag], axis=1)
+
+
+def _draw_plan(
+        figure: Any, fit: TrajectoryFit, geometry: WheelGeometry,
+        drives: Sequence[RecordedDrive]) -> None:
+    """Draw the drive that odometry missed most before: the reference, before and after."""
+    axes = figure.add_subplot()
+    ways = [[(colour, when, way_by_odometry(geometry, drive, systematic, fit.frame))
+             for colour, when, systematic in _before_and_after(fit, number)]
+            for number, drive in enumerate(drives)]
+    ends = [way[0][2][-1] - drive.reference[-1, :2] for way, drive in zip(ways, drives)]
+    worst = int(np.argmax(np.hypot(*np.array(ends).T)))
+    reference = drives[worst].reference
+    axes.plot(*reference[:, :2].T, color='black', lw=1.6, label='reference')
+    for colour, when, way in ways[worst]:
+        axes.plot(*way.T, color=colour, lw=1.2, label=f'odometry, {when}')
+        axes.plot(*way[-1], 'o', color=colour, ms=5)
+    axes.plot(*reference[0, :2], 's', color='black', ms=6, mfc='none', label='start')
+    axes.plot(*reference[-1, :2], 'o', color='black', ms=5)
+    axes.set_aspect('equal', adjustable='datalim')
+    axes.set_xlabel('x [m]')
+    axes.set_ylabel('y [m]')
+    axes.set_title('The way that was driven' if len(drives) == 1 else
+                   f'Drive {worst + 1} of {len(drives)}, whose end odometry missed most',
+                   fontsize='medium')
+    axes.grid(alpha=0.25)
+    figure.legend(loc='outside lower center', ncols=2, fontsize='small', frameon=False)
 
 
 def _draw_windows(
@@ -108,8 +169,13 @@ def _errors(
     """Return colour, label, and (times [s], errors, shape (w, 3)) before and after."""
     windows = windows_between(drive, (length,), EVERY_S, TOLERANCE_S)
     times = drive.reference_time[windows.end] - drive.reference_time[0]
-    after = fit.systematic(number)
-    before = after._replace(left=1.0, right=1.0, separation=1.0)
     return [(colour, when, (times, linearised(geometry, drive, windows, systematic).error))
-            for colour, when, systematic in (
-                (BEFORE, 'wheels as given', before), (AFTER, 'corrected', after))]
+            for colour, when, systematic in _before_and_after(fit, number)]
+
+
+def _before_and_after(
+        fit: TrajectoryFit, number: int) -> List[Tuple[str, str, CalibrationParameters]]:
+    """Return colour, label and errors of a drive before and after."""
+    after = fit.systematic(number)
+    return [(BEFORE, 'wheels as given', after._replace(left=1.0, right=1.0, separation=1.0)),
+            (AFTER, 'corrected', after)]

@@ -22,7 +22,7 @@ from diffdrive_kinematics.core.noise import PoseCovariance
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ['MISSING', 'Picture', 'drawn', 'ellipse', 'file_of', 'new_figure']
+__all__ = ['MISSING', 'Picture', 'along_arcs', 'drawn', 'ellipse', 'file_of', 'new_figure']
 
 MISSING = (
     "matplotlib, which is missing: pip install '.[plot]' or apt install python3-matplotlib")
@@ -34,6 +34,7 @@ CHI_SQUARE_95 = 5.991
 AROUND = np.linspace(0.0, 2.0 * np.pi, 73)
 PATHS, MEAN, ELLIPSE, REACH = '#4477aa', 'black', '#cc3311', '#117733'
 LONG_SIDE, SHORT_SIDE = 9.0, 4.5
+ARC_RAD = 0.02  # turn between two points of an arc that is drawn
 
 Outline = Tuple[NDArray[np.float64], NDArray[np.float64]]
 
@@ -44,7 +45,8 @@ class Picture(NamedTuple):
 
     ``paths`` (n may be 0) and ``mean`` have arrays of shape (k + 1, n) and (k + 1,); ``beliefs``
     are means with covariances, ``boundaries`` the outlines of what can be reached; both after
-    each command.
+    each command.  ``travels`` (k,) is how far the centre goes in each step, to draw arcs; without
+    it, lines lead from pose to pose.
     """
 
     paths: Pose
@@ -52,6 +54,46 @@ class Picture(NamedTuple):
     beliefs: List[Tuple[Pose, PoseCovariance]]
     boundaries: List[Outline]
     title: str
+    travels: Sequence[float] = ()
+
+
+def along_arcs(poses: Pose, travels: Sequence[float]) -> Pose:
+    """
+    Return poses with others between them, on arcs that end in the poses.
+
+    Each step turns as its poses tell, and goes as far as ``travels``; what slip adds to that is
+    spread evenly over the step.  A pose without slip is exact.
+
+    Parameters
+    ----------
+    poses : Pose
+        Of arrays, shape (k + 1,) or (k + 1, n).
+    travels : sequence of float
+        Nominal travel of the centre in each step [m]; none: the poses as they are.
+
+    Returns
+    -------
+    Pose
+        Of arrays, shape (m,) or (m, n), m at least k + 1.
+
+    """
+    points, headings = [poses.x[:1] + 1j * poses.y[:1]], [poses.theta[:1]]
+    for step, travel in enumerate(travels):
+        start, end = (poses.x[i] + 1j * poses.y[i] for i in (step, step + 1))
+        heading, turn = poses.theta[step], poses.theta[step + 1] - poses.theta[step]
+        count = 1 + int(np.max(np.abs(turn)) / ARC_RAD)
+        part = (np.arange(1, count + 1) / count).reshape(-1, *np.ndim(turn) * (1,))
+
+        def way(part: NDArray[np.float64]) -> NDArray[np.complex128]:
+            half = 0.5 * part * turn
+            return travel * part * np.sinc(half / np.pi) * np.exp(1j * (heading + half))
+
+        points.append(start + way(part) + part * (end - start - way(np.float64(1.0))))
+        headings.append(heading + part * turn)
+    if not len(travels):
+        return poses
+    line = np.concatenate(points)
+    return Pose(line.real, line.imag, np.concatenate(headings))
 
 
 def ellipse(mean: Pose, covariance: PoseCovariance) -> Outline:
@@ -72,6 +114,9 @@ def drawn(pictures: Sequence[Picture], suffix: str) -> bytes:
         If matplotlib is missing.
 
     """
+    pictures = [picture._replace(**{
+        name: along_arcs(getattr(picture, name), picture.travels) for name in ('paths', 'mean')})
+        for picture in pictures]
     figure = new_figure(figsize=_size(pictures))
     shared = figure.subplots(1, len(pictures), sharex=True, sharey=True, squeeze=False)[0]
     for axes, picture in zip(shared, pictures):

@@ -21,7 +21,7 @@ from diffdrive_kinematics.core.kinematics import Pose
 from diffdrive_kinematics.core.noise import PoseCovariance
 from diffdrive_kinematics.nodes.plot_paths import build, picture_of
 from diffdrive_kinematics.ros.parameters.tables import PLOT_PATHS
-from diffdrive_kinematics.tools.drawing import ellipse
+from diffdrive_kinematics.tools.drawing import along_arcs, ellipse
 import numpy as np
 import pytest
 
@@ -118,3 +118,28 @@ def test_a_missing_matplotlib_is_one_line_that_says_how_to_get_it(graph, tmp_pat
     assert 'Traceback' not in program.output
     assert "pip install '.[plot]'" in program.output
     assert not list(tmp_path.glob('*.png'))
+
+
+@pytest.mark.parametrize('turn', [1e-6, 0.3, 3.0, 2.0 * np.pi, 9.0])
+@pytest.mark.parametrize('steps', [1, 3])
+def test_the_mean_path_is_drawn_along_exact_arcs(turn, steps):
+    values = {**VALUES, 'commands': (0.1, 0.5 * turn, 2.0), 'steps': steps, 'paths': 1,
+              'slip_distribution': 'gaussian',
+              'left_slip_variance': 0.0, 'right_slip_variance': 0.0}
+    picture = picture_of(build(values))
+    for path in (picture.mean, Pose(*(each[:, 0] for each in picture.paths))):
+        drawn = along_arcs(path, picture.travels)
+        turned, radius = drawn.theta - drawn.theta[0], 0.2 / turn
+        assert np.max(np.diff(turned)) < 0.03 or turn < 0.02
+        assert drawn.x == pytest.approx(1.0 + radius * np.sin(turned), abs=1e-9)
+        assert drawn.y == pytest.approx(2.0 + radius * (1.0 - np.cos(turned)), abs=1e-9)
+        assert [drawn.x[-1], drawn.y[-1]] == pytest.approx([path.x[-1], path.y[-1]], abs=1e-12)
+
+
+def test_sample_paths_are_drawn_through_their_poses():
+    picture = picture_of(build({**VALUES, 'commands': (0.1, 2.0, 2.0)}))
+    drawn = along_arcs(picture.paths, picture.travels)
+    assert drawn.x.shape[1] == 30 and drawn.x.shape[0] > 9
+    for poses in zip(*picture.paths):
+        gap = np.abs(np.stack(drawn) - np.stack(poses)[:, None]).sum(axis=0).min(axis=0)
+        assert gap.max() < 1e-12
