@@ -181,6 +181,24 @@ def test_sampled_paths_have_the_exact_moments(body, course):
         moments.mean_error, abs=4.0 * float(np.max(scale[:2])) / math.sqrt(error.shape[1]))
 
 
+@pytest.mark.parametrize('yaw', [0.02, 0.1, 0.3])
+@pytest.mark.parametrize('course', [
+    200 * [(0.1, 0.0)], 200 * [(0.1, 0.05 * math.pi)],
+    4 * (50 * [(0.1, 0.0)] + 10 * [(0.0, 0.05 * math.pi)])], ids=['straight', 'circle', 'square'])
+def test_nees_of_20_m_is_1_whatever_the_yaw(course, yaw):
+    """Over 1,000 runs, within four of its own standard errors; a constant scales with the yaw."""
+    turn, way = (sum(abs(each[i]) for each in course) for i in (1, 0))
+    body = BodySlip(0.05 * yaw**2, yaw**2 / (turn + 0.2 * way), 0.2 * yaw**2 / (turn + 0.2 * way))
+    pose, moments = ORIGIN, CERTAIN
+    for arc in course:
+        pose, moments = propagated_moments(
+            moments, pose, GEOMETRY, *travel_of(*arc), 0.0, 0.0, body)
+    assert moments.spread.tt == pytest.approx(yaw**2)
+    error = errors(sampled(course, (WheelSlip(),) * 2, body, 1000, 11), pose)
+    nees = np.sum(error * np.linalg.solve(moments.second_moment().matrix(), error), axis=0) / 3.0
+    assert abs(nees.mean() - 1.0) < 4.0 * nees.std() / math.sqrt(len(nees))
+
+
 @pytest.mark.parametrize('distribution', DISTRIBUTIONS)
 @pytest.mark.parametrize('arc', [(0.3, 0.0), (-0.3, 0.0), (0.2, 0.3), (0.0, -0.3)])
 def test_one_step_of_samples_has_the_variances_asked_for(arc, distribution):
