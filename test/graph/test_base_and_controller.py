@@ -14,7 +14,6 @@
 
 """Outputs of base and controller: frames, joints, limits, timeouts."""
 
-import importlib.util
 import math
 
 from geometry_msgs.msg import Twist, TwistStamped
@@ -78,16 +77,6 @@ def test_the_wheels_stop_exactly_at_the_last_stamp_plus_the_timeout(graph):
     message = graph.wait_for(
         lambda: joints and list(joints[-1].velocity) == [0.0, 0.0] and joints[-1], 'the stop')
     assert list(message.position) == pytest.approx([0.6, 1.2], rel=1e-12)
-
-
-def test_a_missing_tf2_msgs_is_one_warning_and_the_rest_runs_on(graph):
-    if importlib.util.find_spec('tf2_msgs'):
-        pytest.skip('tf2_msgs is installed')
-    base = graph.start('simulated_base', KHEPERA)
-    odometry = graph.collect(Odometry, 'odom')
-    graph.publisher(JointState, 'wheel_rates').publish(wheel_rates(graph.now_ns(), 1.0, 1.0))
-    graph.wait_for(lambda: len(odometry) > 3, 'odometry')
-    assert base.output.count('the package tf2_msgs is missing') == 1
 
 
 def test_rates_come_as_a_float64_multi_array_too_where_the_yaml_asks_for_it(graph):

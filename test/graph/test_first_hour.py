@@ -14,7 +14,6 @@
 
 """What executables say to the arguments of somebody who meets them for the first time."""
 
-import importlib.util
 import os
 import pty
 import shlex
@@ -26,7 +25,7 @@ from diffdrive_kinematics.ros.parameters.package_share import share_directory
 from diffdrive_kinematics.ros.parameters.tables import TABLES
 from diffdrive_kinematics.ros.runtime.command_line import example_of
 import pytest
-from support.graph import KHEPERA, START
+from support.graph import START
 
 
 def test_the_demo_begins_with_what_it_does_and_ends_with_where_to_go_on(graph):
@@ -156,13 +155,3 @@ def test_calibrate_alone_names_its_three_modes(graph):
     assert process.wait() == 2
     first = process.output.splitlines()[0]
     assert all(word in first for word in ('square_runs', 'recordings', 'live topics'))
-
-
-@pytest.mark.skipif(importlib.util.find_spec('tf2_msgs') is not None, reason='tf2_msgs is there')
-@pytest.mark.parametrize('given, level', [({}, '[INFO]'), ({'enable_odom_tf': True}, '[WARN]')])
-def test_tf_that_nobody_asked_for_is_no_reason_to_warn(graph, given, level):
-    base = graph.start('simulated_base', {**KHEPERA, **given})
-    graph.wait_for(lambda: 'tf2_msgs' in base.output, 'the line')
-    assert base.stop() == 0
-    line = next(line for line in base.output.splitlines() if 'tf2_msgs' in line)
-    assert line.startswith(level)

@@ -16,7 +16,6 @@
 
 from collections import Counter
 from contextlib import nullcontext
-import importlib.util
 import math
 import re
 from types import SimpleNamespace
@@ -274,8 +273,6 @@ def test_no_pose_that_is_set_takes_the_base_down_and_its_odometry_stays_finite(e
     assert counts['refused'] > 100
 
 
-@pytest.mark.skipif(
-    not importlib.util.find_spec('tf2_msgs'), reason='without tf2_msgs no belief is listened to')
 def test_no_belief_takes_the_ground_truth_down_and_its_transforms_stay_finite():
     counts = assert_works('simulated_base', batches_of(
         ('/wheel_rates', wheels), ('/odom', beliefs())), {

@@ -13,7 +13,7 @@
 # limitations under the License.
 """docs/reference/interfaces.md says what the nodes have, and all that they have."""
 
-from importlib import import_module, util
+from importlib import import_module
 import os
 from pathlib import Path
 
@@ -33,7 +33,6 @@ REQUIRED = {'command_sequence': {'commands': [0.1, 0.0, 1.0]}, 'web_view': {'por
             'diffdrive_sim': {'nodes': ['robot_description']}}
 ADDING = {'enable_stamped_cmd_vel': True, 'clock_step': 0.01}
 LOOKED_AT = 'somebody looks at the page'
-HAS_TF2 = util.find_spec('tf2_msgs') is not None
 DRAWS = 'plot_paths'  # has nothing but parameters, and ends
 
 
@@ -84,8 +83,7 @@ def said(rows_, settings, node):
     """Return the endpoints that rows promise: (name, type, quality of service)."""
     found = set()
     for row in rows_:
-        if row.settings().items() - settings.items() or (
-                not HAS_TF2 and (row.name == '/tf' or row.parameter == 'belief_topic')):
+        if row.settings().items() - settings.items():
             continue
         name = node.parameters.values[row.parameter] if row.parameter else row.name
         if row.parameter and row.parameter not in settings and row.parameter != 'odom_topic':

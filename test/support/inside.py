@@ -24,10 +24,11 @@ from contextlib import contextmanager
 from diffdrive_kinematics.ros.runtime.clocks import SteppedClock
 from diffdrive_kinematics.ros.runtime.in_flight_messages import InFlightMessages
 import rclpy
-from rclpy.serialization import deserialize_message, serialize_message
+from rclpy.serialization import serialize_message
 from rclpy.signals import SignalHandlerOptions
 from support.domains import own_domain
 from support.graph import arguments
+from support.tf import read
 
 START_NS = 1000 * 10**9
 
@@ -52,7 +53,7 @@ class Inside:
 
         def keeping(message):
             said.append(
-                deserialize_message(message, publisher.msg_type)
+                read(message, publisher.msg_type)
                 if isinstance(message, bytes) else message)
             publish(message)
 

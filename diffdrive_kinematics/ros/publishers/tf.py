@@ -14,10 +14,11 @@
 
 """Transforms for tf2, optional at run time, and the names of their frames."""
 
-from typing import Any, Mapping, Tuple, TYPE_CHECKING
+from typing import Any, Mapping, Optional, Tuple, TYPE_CHECKING
 
 from diffdrive_kinematics.core.kinematics import Pose
 from diffdrive_kinematics.ros.messages.codec import TransformCodec
+from diffdrive_kinematics.ros.messages.tf_message_type import tf_message_type
 from diffdrive_kinematics.ros.runtime.rclpy_private import given_overrides
 
 if TYPE_CHECKING:
@@ -42,30 +43,37 @@ def frame_prefix(values: Mapping[str, Any], namespace: str) -> str:
     return f'{prefix}/' if prefix else ''
 
 
+def _message_type() -> Optional[type]:
+    try:
+        from tf2_msgs.msg import TFMessage
+    except ImportError:
+        return tf_message_type()
+    return TFMessage
+
+
 class TransformPublisher:
     """
     Publishes transforms on ``/tf``.
 
-    Where tf2_msgs is missing one line says how to get it or do without (set ``switch``, the
-    parameter that asked for tf, to false), and nothing is published.  It is a warning where
-    somebody set the switch, and for information where it is on by default.
+    Where tf2_msgs is missing, and its type cannot be made, one line says how to get it or do
+    without (set ``switch``, the parameter that asked for tf, to false), and nothing is published.
+    It is a warning where somebody set the switch, and for information where it is on by default.
     """
 
     def __init__(self, node: 'DiffDriveNode', switch: str) -> None:
         self._publisher = None
-        try:
-            from tf2_msgs.msg import TFMessage
-        except ImportError:
+        message_type = _message_type()
+        if message_type is None:
             log = node.get_logger()
             say = log.warning if switch in given_overrides(node) else log.info
             say('tf is off: the package tf2_msgs is missing (apt install ros-jazzy-tf2-msgs); '
                 f'set {switch} to false to do without')
             return
         self._message = TransformCodec('', '')
-        self._publisher = node.runtime.publish(TFMessage, '/tf')
+        self._publisher = node.runtime.publish(message_type, '/tf')
 
     def __bool__(self) -> bool:
-        """Return whether tf2_msgs is there."""
+        """Return whether there is a message type for tf."""
         return self._publisher is not None
 
     def publish(self, stamp_ns: int, frames: Tuple[str, str], pose: Pose) -> None:

@@ -14,7 +14,6 @@
 
 """Transforms: odom -> base_link of a belief, map -> odom of a ground truth (REP-105)."""
 
-import importlib.util
 import math
 import signal
 
@@ -24,10 +23,8 @@ from nav_msgs.msg import Odometry
 import pytest
 from sensor_msgs.msg import JointState
 from support.graph import KHEPERA, set_stamp, stamp_ns
+from support.tf import transforms
 
-needs_tf = pytest.mark.skipif(
-    not importlib.util.find_spec('tf2_msgs'),
-    reason='tf2_msgs is not installed; .ci/build_tf2_msgs builds it where ROS is from wheels')
 JOINTS = ['left_wheel_joint', 'right_wheel_joint']
 BELIEF = {**KHEPERA, 'command_timeout': 0.0}
 TRUTH = {
@@ -35,14 +32,6 @@ TRUTH = {
     'odom_topic': 'ground_truth', 'wheel_motion_topic': 'noisy_wheel_rates',
     'initial_pose': [1.0, 2.0, 0.5]}
 RADIUS, SEPARATION = KHEPERA['wheel_radius'], KHEPERA['wheel_separation']
-
-
-def transforms(graph):
-    """Return a list to which every transform on /tf is added."""
-    from tf2_msgs.msg import TFMessage
-    found = []
-    graph.collect(TFMessage, '/tf', lambda message: found.extend(message.transforms))
-    return found
 
 
 def pose_of(transform):
@@ -87,7 +76,6 @@ def assert_same_pose(pose, other, tolerance=1e-9):
         0.0, abs=tolerance)
 
 
-@needs_tf
 def test_tf_is_the_odometry_with_its_stamp_and_frames_exactly_as_written(graph):
     graph.start('simulated_base', {
         **BELIEF, 'odom_frame_id': 'my/odom', 'base_frame_id': 'my_base'}, '-r', '__ns:=/robot1')
@@ -105,7 +93,6 @@ def test_tf_is_the_odometry_with_its_stamp_and_frames_exactly_as_written(graph):
         assert transform.transform.rotation == message.pose.pose.orientation
 
 
-@needs_tf
 def test_map_to_odom_to_base_is_the_truth_whatever_the_robot_believes(graph):
     graph.start('simulated_base', BELIEF)
     graph.start('simulated_base', TRUTH, '-r', '__node:=ground_truth')
@@ -134,7 +121,6 @@ def test_map_to_odom_to_base_is_the_truth_whatever_the_robot_believes(graph):
     assert {frames_of(one) for one in found} == {('map', 'odom'), ('odom', 'base_link')}
 
 
-@needs_tf
 def test_a_belief_is_matched_with_the_truth_at_its_stamp_also_when_the_truth_has_moved_on(graph):
     graph.start('simulated_base', TRUTH, '-r', '__node:=ground_truth')
     found = transforms(graph)
@@ -159,7 +145,6 @@ def test_a_belief_is_matched_with_the_truth_at_its_stamp_also_when_the_truth_has
         assert_same_pose(compose(pose_of(transform), Pose(0.3, -0.2, 1.0)), expected)
 
 
-@needs_tf
 @pytest.mark.parametrize('message, words', [
     (belief(1, base='base_footprint'), "child_frame_id is 'base_footprint', expected 'base_link'"),
     (belief(1, frame='map'), "frame_id is 'map', expected another frame than 'map'"),
@@ -184,7 +169,6 @@ def test_a_belief_that_does_not_fit_is_reported_and_broadcasts_nothing(graph, me
     assert truth.stop(signal.SIGTERM) == 0
 
 
-@needs_tf
 @pytest.mark.parametrize('parameters', [
     {}, {'publish_map_odom_tf': False, 'enable_odom_tf': False}], ids=['default', 'off'])
 def test_the_belief_is_listened_to_only_where_its_frame_is_to_be_corrected(graph, parameters):
@@ -198,18 +182,6 @@ def test_two_parents_of_one_frame_are_refused_at_start(graph):
     assert base.wait() == 2
     assert 'enable_odom_tf and publish_map_odom_tf are both true' in base.output
     assert 'Traceback' not in base.output
-
-
-@pytest.mark.skipif(
-    importlib.util.find_spec('tf2_msgs') is not None, reason='tf2_msgs is installed')
-def test_without_tf2_msgs_a_ground_truth_says_so_once_and_runs_on(graph):
-    base = graph.start('simulated_base', TRUTH)
-    odometry = graph.collect(Odometry, 'ground_truth')
-    graph.publisher(JointState, 'noisy_wheel_rates').publish(rates(graph.now_ns(), 1.0, 1.0))
-    graph.wait_for(lambda: len(odometry) > 3, 'odometry')
-    assert base.output.count('the package tf2_msgs is missing') == 1
-    assert 'set publish_map_odom_tf to false to do without' in base.output
-    assert graph.node.count_subscribers('odom') == 0
 
 
 @pytest.mark.parametrize('parameters, prefix', [

@@ -78,10 +78,10 @@ SIMULATED_BASE = (
     Spec('initial_heading_seed', -1, 'draw the yaw at start with this seed, as a ground truth '
          'does; -1: do not, and publish how uncertain it is', Kind.INTEGER, check_optional_seed,
          read_only=True),
-    Spec('enable_odom_tf', True, 'broadcast odom_frame_id -> base_frame_id (needs tf2_msgs)',
+    Spec('enable_odom_tf', True, 'broadcast odom_frame_id -> base_frame_id',
          Kind.BOOL, read_only=True),
     Spec('publish_map_odom_tf', False, 'of a ground truth: broadcast odom_frame_id (map) -> the '
-         'frame of the belief, so that tf shows the robot where it is (needs tf2_msgs, and '
+         'frame of the belief, so that tf shows the robot where it is (needs '
          'enable_odom_tf false)', Kind.BOOL, read_only=True),
     topic('belief_topic', 'odom', 'odometry in that publish_map_odom_tf corrects'),
     Spec('tf_frame_prefix_enable', False, 'put a prefix before odom_frame_id and base_frame_id',
