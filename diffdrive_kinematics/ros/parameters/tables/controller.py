@@ -26,16 +26,20 @@ from diffdrive_kinematics.ros.parameters.tables.shared import (
     DIAGNOSTICS, EXECUTOR, GEOMETRY, JOINTS)
 
 LIMITS = {
-    'max_velocity': 'highest velocity, 0 or above; NaN: no limit',
-    'min_velocity': 'lowest velocity, 0 or below; NaN: -max_velocity',
-    'max_acceleration': 'speeding up forward, above 0; NaN: no limit',
-    'max_acceleration_reverse': 'speeding up in reverse, below 0; NaN: -max_acceleration',
-    'max_deceleration': 'slowing down forward, below 0; NaN: max_acceleration_reverse',
-    'max_deceleration_reverse': 'slowing down in reverse, above 0; NaN: -max_deceleration',
-    'max_jerk': 'rise of the acceleration (as speeding up forward begins and braking ends), above '
-                '0; NaN: no limit',
-    'min_jerk': 'fall of the acceleration, below 0; NaN: -max_jerk',
-    'min_acceleration': 'older YAML: bound of every fall of the velocity, below 0'}
+    'max_velocity': 'Highest velocity [{unit}], 0 or above. NaN: no limit.',
+    'min_velocity': 'Lowest velocity [{unit}], 0 or below. NaN: -max_velocity.',
+    'max_acceleration': 'Highest acceleration [{unit}] when speeding up forward, above 0. NaN: '
+    'no limit.',
+    'max_acceleration_reverse': 'Acceleration limit [{unit}] when speeding up in reverse, below '
+    '0. NaN: -max_acceleration.',
+    'max_deceleration': 'Acceleration limit [{unit}] when slowing down forward, below 0. NaN: '
+    'max_acceleration_reverse.',
+    'max_deceleration_reverse': 'Acceleration limit [{unit}] when slowing down in reverse, above '
+    '0. NaN: -max_deceleration.',
+    'max_jerk': 'Highest jerk [{unit}] while the acceleration rises, as when speeding up forward '
+    'begins or braking ends, above 0. NaN: no limit.',
+    'min_jerk': 'Jerk limit [{unit}] while the acceleration falls, below 0. NaN: -max_jerk.',
+    'min_acceleration': 'Limit [{unit}] of every fall of the velocity, in older files, below 0.'}
 SWITCHES = {  # what their limits have in their names
     'has_velocity_limits': 'velocity', 'has_acceleration_limits': 'celeration',
     'has_jerk_limits': 'jerk'}
@@ -48,43 +52,48 @@ def _per(limit: str) -> str:
 
 def _axis_entries() -> Tuple[Spec, ...]:
     limits = tuple(
-        Spec(f'{axis}.{limit}', math.nan, f'{meaning} [{unit}/{_per(limit)}]')
+        Spec(f'{axis}.{limit}', math.nan, meaning.format(unit=f'{unit}/{_per(limit)}'))
         for axis, unit in _AXES.items() for limit, meaning in LIMITS.items())
     switches = tuple(
-        Spec(f'{axis}.{switch}', True, 'false: the limits of this kind do not count (older '
-             'YAML; leave the limits NaN instead)', Kind.BOOL)
+        Spec(f'{axis}.{switch}', True, 'Use the limits of this kind. It comes from older '
+             'files; leave the limits NaN instead of setting it to false.', Kind.BOOL)
         for axis in _AXES for switch in SWITCHES)
     return limits + switches
 
 
 DIFF_DRIVE_CONTROLLER = (
     *GEOMETRY, *JOINTS,
-    topic('cmd_vel_topic', 'cmd_vel', 'velocity commands in'),
-    topic('emergency_stop_topic', '', 'Bool in, of any quality of service; true: wheels at rest '
-          'at once, and no command is obeyed until it is false; empty: only ~/stop and ~/resume '
-          'are there',
+    topic('cmd_vel_topic', 'cmd_vel', 'Subscribes to: velocity commands.'),
+    topic('emergency_stop_topic', '', 'Subscribes to: the emergency stop (Bool), of any quality '
+          'of service. At true the wheels stop at once, and no command is obeyed until it is '
+          'false. Empty: only the services ~/stop and ~/resume are there.',
           optional=True),
-    topic('wheel_rates_topic', 'wheel_rates', 'wheel rates out, JointState'),
-    topic('wheel_commands_topic', '', 'wheel rates out as Float64MultiArray, left wheels then '
-          'right wheels, for a ros2_control velocity controller; empty: off', optional=True),
-    topic('cmd_vel_out_topic', 'cmd_vel_out', 'limited velocity out, TwistStamped'),
-    Spec('publish_limited_velocity', False, 'whether to publish cmd_vel_out', Kind.BOOL,
+    topic('wheel_rates_topic', 'wheel_rates', 'Publishes: wheel rates (JointState).'),
+    topic('wheel_commands_topic', '', 'Publishes: wheel rates for a velocity controller of '
+          'ros2_control (Float64MultiArray), left wheels, then right wheels. Empty: off.',
+          optional=True),
+    topic('cmd_vel_out_topic', 'cmd_vel_out', 'Publishes: the velocity after all limits '
+          '(TwistStamped).'),
+    Spec('publish_limited_velocity', False, 'Publish cmd_vel_out.', Kind.BOOL,
          read_only=True),
-    Spec('enable_stamped_cmd_vel', False, 'commands are TwistStamped instead of Twist', Kind.BOOL,
+    Spec('enable_stamped_cmd_vel', False, 'Commands are TwistStamped instead of Twist.', Kind.BOOL,
          read_only=True),
-    Spec('stamp_tolerance', 0.0, 'how old [s] the stamp of a command may be to be handed on to '
-         'the wheel rates; older: the time of arrival', check=check_duration),
-    Spec('cmd_vel_timeout', 0.5, 'age [s] at which a command ends and the drive brakes, and at '
-         'which one that comes is refused as old; 0: never', check=check_duration),
-    Spec('cmd_vel_clock_offset', 0.0, 'what the clock of the controller shows less what that of '
-         'the senders of commands shows [s]; NaN: unknown, neither stamps count nor when a '
-         'command was sent',
+    Spec('stamp_tolerance', 0.0, 'Greatest age [s] of the stamp of a command with which the '
+         'wheel rates get that stamp. Rates of older commands get the time of arrival.',
+         check=check_duration),
+    Spec('cmd_vel_timeout', 0.5, 'Age [s] at which a command ends and the robot brakes. Commands '
+         'that are older when they come are refused. 0: commands never end.',
+         check=check_duration),
+    Spec('cmd_vel_clock_offset', 0.0, 'Time on the clock of the controller minus time on the '
+         'clock of the senders of commands [s]. NaN: it is unknown, and neither stamps nor the '
+         'time of sending count.',
          check=check_offset),
-    Spec('publish_rate', 50.0, 'rate [Hz] at which the wheel rates are repeated',
+    Spec('publish_rate', 50.0, 'Rate [Hz] at which the wheel rates are repeated.',
          check=check_rate),
-    Spec('update_rate', 100.0, 'rate [Hz] at which ramps step; each step is published',
+    Spec('update_rate', 100.0, 'Rate [Hz] at which ramps step. Each step is published.',
          check=check_rate),
-    Spec('max_wheel_rate', math.nan, 'bound [rad/s] of all wheels; beyond it both sides are '
-         'scaled by one factor, so that the path keeps its curvature; NaN: none'),
-    string('base_frame_id', 'base_link', 'frame of the limited velocity', check_frame),
+    Spec('max_wheel_rate', math.nan, 'Highest rate [rad/s] of every wheel. Beyond it the rates '
+         'of both sides are scaled by one factor, so that the path keeps its curvature. NaN: no '
+         'limit.'),
+    string('base_frame_id', 'base_link', 'Frame of the limited velocity.', check_frame),
     *_axis_entries(), DIAGNOSTICS, EXECUTOR)

@@ -25,81 +25,100 @@ from diffdrive_kinematics.ros.parameters.parameter_checks import (
 from diffdrive_kinematics.ros.parameters.parameter_spec import Kind, ParameterSpec as Spec
 
 DIAGNOSTICS = Spec(
-    'diagnostics_rate', 1.0, 'rate [Hz] of the status on /diagnostics; 0: off',
+    'diagnostics_rate', 1.0, 'Rate [Hz] at which the node reports its status on /diagnostics. 0: '
+    'off.',
     check=check_rate_or_off, read_only=True)
 EXECUTOR = Spec(
-    'executor', 'auto', 'of the process: auto (EventsExecutor where this rclpy has it), events, '
-    'single_threaded; among the nodes of diffdrive_sim its own counts', Kind.STRING,
+    'executor', 'auto', 'Executor of the process: auto (EventsExecutor where this rclpy has it), '
+    'events, or single_threaded. In diffdrive_sim the value of diffdrive_sim itself counts.',
+    Kind.STRING,
     check_one_of('auto', 'events', 'single_threaded'), read_only=True)
 JOINTS = (
-    Spec('left_wheel_names', ['left_wheel_joint'], 'joints of the left wheels', Kind.STRINGS,
+    Spec('left_wheel_names', ['left_wheel_joint'], 'Names of the joints of the left wheels.',
+         Kind.STRINGS,
          check_joint_names, read_only=True),
-    Spec('right_wheel_names', ['right_wheel_joint'], 'joints of the right wheels', Kind.STRINGS,
+    Spec('right_wheel_names', ['right_wheel_joint'], 'Names of the joints of the right wheels.',
+         Kind.STRINGS,
          check_joint_names, read_only=True),
-    Spec('left_wheel_inverted', False, 'true: the joints of the left wheels turn backward where '
-         'the wheels roll forward, as a mirrored motor does; rates and positions have their sign '
-         'in every message', Kind.BOOL, read_only=True),
-    Spec('right_wheel_inverted', False, 'the same for the right wheels', Kind.BOOL,
+    Spec('left_wheel_inverted', False, 'The joints of the left wheels turn backward where the '
+         'wheels roll forward, as with a mirrored motor. Rates and positions have the sign of '
+         'the joints in every message.', Kind.BOOL, read_only=True),
+    Spec('right_wheel_inverted', False, 'The joints of the right wheels turn backward where the '
+         'wheels roll forward.', Kind.BOOL,
          read_only=True),
-    Spec('gear_ratio', 1.0, 'turns of a joint a turn of its wheel, where the joints are those of '
-         'motors before a gear; rates, positions and encoders in every message are those of the '
-         'joints, all other parameters those of the wheels', check=check_gear_ratio,
+    Spec('gear_ratio', 1.0, 'Turns of a joint for one turn of its wheel, where the joints are '
+         'those of motors before a gear. Rates, positions and encoders in messages are those of '
+         'the joints; all other parameters are those of the wheels.', check=check_gear_ratio,
          read_only=True))
 ENCODER_RANGE = Spec(
-    'encoder_range', 0.0, 'at which positions of the joints wrap around [rad]; what comes in '
-    'counts modulo it, up to half a range a message; 0: they do not wrap',
+    'encoder_range', 0.0, 'Range [rad] after which positions of the joints wrap around. '
+    'Positions that come in count modulo it, up to half a range in one message. 0: they do not '
+    'wrap.',
     check=check_range, read_only=True)
 RADII = (
-    Spec('wheel_radius', math.nan, 'radius R of the wheels [m], above 0', check=check_positive,
+    Spec('wheel_radius', math.nan, 'Radius R of the wheels [m], above 0.', check=check_positive,
          required=True),
-    Spec('left_wheel_radius_multiplier', 1.0, 'effective over nominal radius of the left wheels',
+    Spec('left_wheel_radius_multiplier', 1.0, 'Effective radius of the left wheels over '
+         'wheel_radius.',
          check=check_radius_multiplier),
     Spec('right_wheel_radius_multiplier', 1.0,
-         'effective over nominal radius of the right wheels', check=check_radius_multiplier))
+         'Effective radius of the right wheels over wheel_radius.', check=check_radius_multiplier))
 SEPARATION = (
     Spec('wheel_separation', math.nan,
-         'distance L between left and right wheels [m], above 0', check=check_positive,
+         'Distance L between left and right wheels [m], above 0.', check=check_positive,
          required=True),
-    Spec('wheel_separation_multiplier', 1.0, 'effective over nominal separation',
+    Spec('wheel_separation_multiplier', 1.0, 'Effective distance between the wheels over '
+         'wheel_separation.',
          check=check_positive))
 GEOMETRY = (*SEPARATION, *RADII)
 
 BIAS = (
-    Spec('left_bias', 0.0, 'fraction of travel that the left wheel gains, above -1',
+    Spec('left_bias', 0.0, 'Fraction of its travel by which the left wheel goes further, above '
+         '-1.',
          check=check_bias),
-    Spec('right_bias', 0.0, 'fraction of travel that the right wheel gains, above -1',
+    Spec('right_bias', 0.0, 'Fraction of its travel by which the right wheel goes further, above '
+         '-1.',
          check=check_bias))
 SLIP = (
-    Spec('left_slip_variance', 0.0, 'k [m] of the left wheel: Var[travel error] = k |travel|',
+    Spec('left_slip_variance', 0.0, 'Slip constant k [m] of the left wheel: the variance of the '
+         'error of its travel is k times the length of the travel.',
          check=check_non_negative),
-    Spec('right_slip_variance', 0.0, 'k [m] of the right wheel: Var[travel error] = k |travel|',
+    Spec('right_slip_variance', 0.0, 'Slip constant k [m] of the right wheel: the variance of '
+         'the error of its travel is k times the length of the travel.',
          check=check_non_negative),
-    Spec('linear_slip_variance', 0.0, 'k_d [m] of the body, beside the wheels: '
-         'Var[error of the way] = k_d |way|', check=check_non_negative),
-    Spec('turn_slip_variance', 0.0, 'k_t [rad] of the body: Var[error of the yaw] = k_t |turn| '
-         '+ k_x |way|', check=check_non_negative),
-    Spec('heading_slip_variance', 0.0, 'k_x [rad^2/m] of the body, likewise',
+    Spec('linear_slip_variance', 0.0, 'Slip constant k_d [m] of the body, beside that of the '
+         'wheels: the variance of the error of the distance is k_d times the distance.',
+         check=check_non_negative),
+    Spec('turn_slip_variance', 0.0, 'Slip constant k_t [rad] of the body: the variance of the '
+         'error of the yaw is k_t times the angle turned, plus k_x times the distance.',
+         check=check_non_negative),
+    Spec('heading_slip_variance', 0.0, 'Slip constant k_x [rad^2/m] of the body: see '
+         'turn_slip_variance.',
          check=check_non_negative))
 SESSION = (
-    Spec('session_scale_stddev', 0.0, 'standard deviation, between runs, of a fraction by which '
-         'all travel of a run is longer, 0 to 0.1', check=check_session_fraction),
-    Spec('session_separation_stddev', 0.0, 'the same of a fraction by which the separation is '
-         'larger, 0 to 0.1', check=check_session_fraction),
-    Spec('session_curvature_stddev', 0.0, 'the same of a heading gained per metre of travel '
-         '[rad/m]', check=check_non_negative))
+    Spec('session_scale_stddev', 0.0, 'Standard deviation, between runs, of the fraction by '
+         'which all travel of a run is longer, 0 to 0.1.', check=check_session_fraction),
+    Spec('session_separation_stddev', 0.0, 'Standard deviation, between runs, of the fraction '
+         'by which the separation is larger, 0 to 0.1.', check=check_session_fraction),
+    Spec('session_curvature_stddev', 0.0, 'Standard deviation, between runs, of the heading '
+         'that is gained per metre of travel [rad/m].', check=check_non_negative))
 DISTRIBUTION = Spec(
-    'slip_distribution', 'gaussian', 'of the slip, all with the variance that is set: '
-    + ', '.join(DISTRIBUTIONS), Kind.STRING, check_distribution)
+    'slip_distribution', 'gaussian', 'Distribution of the slip, with the variance that is set: '
+    f"{', '.join(DISTRIBUTIONS)}.", Kind.STRING, check_distribution)
 
 START = (
-    Spec('initial_pose', [0.0, 0.0, 0.0], 'x [m], y [m], yaw [rad] at start', Kind.DOUBLES,
+    Spec('initial_pose', [0.0, 0.0, 0.0], 'Pose at the start: x [m], y [m], yaw [rad].',
+         Kind.DOUBLES,
          check_pose, read_only=True),
-    Spec('initial_heading_concentration', math.nan, 'kappa of the von Mises density of the yaw '
-         'at start, about that of initial_pose, near 1 / variance [1/rad^2]; NaN: it is known',
+    Spec('initial_heading_concentration', math.nan, 'Concentration kappa of the von Mises '
+         'density of the yaw at the start around that of initial_pose, about 1 / variance '
+         '[1/rad^2]. NaN: the yaw is known.',
          check=check_concentration, read_only=True))
 
 SQUARE = (
-    Spec('square_side', 0.0, 'side [m] of the square of UMBmark; 0: none',
+    Spec('square_side', 0.0, 'Length [m] of the sides of the square of UMBmark. 0: there is no '
+         'square.',
          check=check_non_negative, read_only=True),
-    Spec('square_corner_radius', 0.0, 'radius [m] of its corners; 0: turns on the spot',
+    Spec('square_corner_radius', 0.0, 'Radius [m] of the corners of the square. 0: the robot '
+         'turns on the spot.',
          check=check_non_negative, read_only=True))

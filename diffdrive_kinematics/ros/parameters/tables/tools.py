@@ -27,113 +27,123 @@ from diffdrive_kinematics.ros.parameters.parameter_spec import (
 from diffdrive_kinematics.ros.parameters.tables.shared import (
     BIAS, DISTRIBUTION, ENCODER_RANGE, EXECUTOR, GEOMETRY, JOINTS, SEPARATION, SLIP, SQUARE, START)
 
-OVERWRITE = Spec('overwrite', False, 'replace files that exist', Kind.BOOL, read_only=True)
+OVERWRITE = Spec('overwrite', False, 'Replace files that exist.', Kind.BOOL, read_only=True)
 MODELS = (
     'unicycle', 'differential_drive', 'tricycle', 'bicycle', 'car', 'front_drive_tricycle',
     'rear_wheels_tricycle', 'ackermann_car')
 
 PLOT_PATHS = (
     replace(SEPARATION[0], check=check_positive_or_nan, required=False,
-            description='distance L between left and right wheels [m], above 0; of slip, and of '
-            'models that have two wheels on an axle'),
+            description='Distance L between left and right wheels [m], above 0, for slip and for '
+            'models that have two wheels on an axle.'),
     SEPARATION[1],
-    string('model', '', 'of the robot, a name of core/models; empty: the differential drive with '
-           'slip', check_one_of('', *MODELS)),
-    Spec('commands', [], 'v [m/s], omega [rad/s], duration [s] of each command, one after '
-         'another in one flat list; of a model its own two commands, then the duration',
+    string('model', '', 'Model of the robot, by its name in core/models. Empty: the differential '
+           'drive with slip.', check_one_of('', *MODELS)),
+    Spec('commands', [], 'The commands, each as speed v [m/s], yaw rate omega [rad/s] and '
+         'duration [s], one after another in one flat list. For a model: its own two commands, '
+         'then the duration.',
          Kind.DOUBLES, read_only=True),
-    Spec('steps', 5, 'into how many steps of equal length each command is cut, each with slip, '
-         'or errors of the commands, of its own', Kind.INTEGER, check_stages, read_only=True),
-    Spec('command_bounds', [], 'of a model: bounds of the errors of its two commands, in one '
-         'flat list; a picture for each pair, side by side; none: without errors', Kind.DOUBLES,
+    Spec('steps', 5, 'Number of equal steps into which each command is cut. Each has slip, or '
+         'errors of the commands, of its own.', Kind.INTEGER, check_stages, read_only=True),
+    Spec('command_bounds', [], 'For a model: bounds of the errors of its two commands, in one '
+         'flat list. There is one picture for each pair, side by side. None: the commands have '
+         'no errors.', Kind.DOUBLES,
          read_only=True),
-    Spec('max_steering_rates', [], 'of a model: bounds [rad/s] of the rate of the steering '
-         'angle, a picture for each, side by side; 0 or none: it jumps', Kind.DOUBLES,
+    Spec('max_steering_rates', [], 'For a model: bounds [rad/s] of the rate of the steering '
+         'angle. There is one picture for each, side by side. 0 or none: the angle jumps.',
+         Kind.DOUBLES,
          read_only=True),
-    Spec('max_steering_angle', 1.2, 'of a model: bound [rad] of the steering angle',
+    Spec('max_steering_angle', 1.2, 'For a model: bound [rad] of the steering angle.',
          check=check_positive, read_only=True),
-    Spec('wheel_base', math.nan, 'of a model: distance l [m] from the rear axle to the front '
-         'one', check=check_positive_or_nan, read_only=True),
-    Spec('wheel_radius', math.nan, 'of model differential_drive: radius R [m]',
+    Spec('wheel_base', math.nan, 'For a model: distance l [m] from the rear axle to the front '
+         'axle.', check=check_positive_or_nan, read_only=True),
+    Spec('wheel_radius', math.nan, 'For the model differential_drive: radius R [m] of the wheels.',
          check=check_positive_or_nan, read_only=True),
-    Spec('paths', 100, 'number of sample paths', Kind.INTEGER, check_count, read_only=True),
+    Spec('paths', 100, 'Number of sample paths.', Kind.INTEGER, check_count, read_only=True),
     *START,
-    Spec('seed', 0, 'of the paths, 0 or above', Kind.INTEGER, check_seed, read_only=True),
+    Spec('seed', 0, 'Seed of the paths, 0 or above.', Kind.INTEGER, check_seed, read_only=True),
     *BIAS, *SLIP,
-    replace(DISTRIBUTION, description=DISTRIBUTION.description + '; that of the errors of '
-            'commands has to be bounded: gaussian stands for uniform there'),
-    string('output', 'paths.png', 'file to write, .png or .svg', check_picture),
+    replace(DISTRIBUTION, description=DISTRIBUTION.description + ' That of the errors of '
+            'commands has to be bounded: gaussian means uniform there.'),
+    string('output', 'paths.png', 'File to write, .png or .svg.', check_picture),
     OVERWRITE)
 
 CALIBRATE = (
     *GEOMETRY, *JOINTS,
-    string('square_runs', '', 'CSV file clockwise,true_x,true_y,odom_x,odom_y with a row for '
-           'each run around a square'),
+    string('square_runs', '', 'CSV file with the columns clockwise,true_x,true_y,odom_x,odom_y '
+           'and one row for each run around a square.'),
     *SQUARE,
-    Spec('recordings', [], 'bags (directories, .mcap, .db3), and CSV files of motion: time_sec '
-         'with linear_x,angular_z or left_rate,right_rate or left_position,right_position or '
-         'left_ticks,right_ticks',
+    Spec('recordings', [], 'Recordings of drives: bags (directories, .mcap, .db3), or CSV files '
+         'of motion with the column time_sec and one of the pairs linear_x,angular_z, '
+         'left_rate,right_rate, left_position,right_position or left_ticks,right_ticks.',
          Kind.STRINGS, read_only=True),
-    Spec('references', [], 'bags, or CSV files time_sec,x,y,yaw, one for each of recordings; '
-         'none: the recordings have the reference too', Kind.STRINGS, read_only=True),
-    Spec('encoder_resolution', 0.0, 'ticks of one turn of a joint, for files with ticks',
+    Spec('references', [], 'Bags, or CSV files with the columns time_sec,x,y,yaw, one for each '
+         'of the recordings. None: the recordings hold the reference too.',
+         Kind.STRINGS, read_only=True),
+    Spec('encoder_resolution', 0.0, 'Ticks in one turn of a joint, for files with ticks.',
          check=check_non_negative, read_only=True),
-    Spec('tick_increments', False, 'ticks are those since the row before, not all so far',
+    Spec('tick_increments', False, 'Ticks are counted since the row before, not since the start.',
          Kind.BOOL, read_only=True),
-    topic('motion_topic', 'joint_states', 'wheel motion in, without files; in bags JointState, '
-          'Odometry (its twist), or commands as Twist or TwistStamped'),
+    topic('motion_topic', 'joint_states', 'Subscribes to: wheel motion, where no files are '
+          'given. In bags it may be JointState, Odometry (its twist), or commands as Twist or '
+          'TwistStamped.'),
     ENCODER_RANGE,
-    Spec('position_feedback', True, 'false: ignore positions in wheel motion', Kind.BOOL,
+    Spec('position_feedback', True, 'Use positions in wheel motion. false: use its rates only.',
+         Kind.BOOL,
          read_only=True),
-    topic('reference_topic', 'ground_truth', 'reference poses in, without files; in bags '
-          'Odometry, PoseStamped, PoseWithCovarianceStamped, or /tf'),
-    Spec('reference_frames', [], 'parent and child frame of the reference, where reference_topic '
-         'is /tf', Kind.STRINGS, read_only=True),
-    string('reference_type', 'odometry', 'of the reference topic: odometry (Odometry) or pose '
-           '(PoseStamped); bags know theirs', check_one_of('odometry', 'pose')),
-    string('clock', '', 'what is fitted of the time between wheels and reference: none, delay '
-           '(one for all), offsets or drifts (of each drive), auto (an offset for each drive, and '
-           'a drift where it pays); empty: delay for commands, auto for other files, none for '
-           'topics', check_one_of('', 'none', 'delay', 'offsets', 'drifts', 'auto')),
-    string('mean_radius', '', 'fit: the mean radius of the wheels too; keep: leave it as it is; '
-           'empty: keep for commands, of which a robot covers more or less, else fit',
+    topic('reference_topic', 'ground_truth', 'Subscribes to: reference poses, where no files are '
+          'given. In bags they may be Odometry, PoseStamped, PoseWithCovarianceStamped, or /tf.'),
+    Spec('reference_frames', [], 'Parent and child frame of the reference, where reference_topic '
+         'is /tf.', Kind.STRINGS, read_only=True),
+    string('reference_type', 'odometry', 'Type of the reference topic: odometry (Odometry) or '
+           'pose (PoseStamped). Bags know theirs.', check_one_of('odometry', 'pose')),
+    string('clock', '', 'What is fitted between the clocks of wheels and reference. none: '
+           'nothing. delay: one delay for all drives. offsets: an offset for each drive. drifts: '
+           'an offset and a drift for each drive. auto: an offset for each drive, and a drift '
+           'where it pays. Empty: delay for commands, auto for other files, none for topics.',
+           check_one_of('', 'none', 'delay', 'offsets', 'drifts', 'auto')),
+    string('mean_radius', '', 'Whether the mean radius of the wheels is fitted too. fit: it is. '
+           'keep: it stays as it is. Empty: keep for commands, of which a robot covers more or '
+           'less; fit for all else.',
            check_one_of('', 'fit', 'keep')),
-    Spec('equal_slip', True, 'fit one slip constant for both wheels', Kind.BOOL,
+    Spec('equal_slip', True, 'Fit one slip constant for both wheels.', Kind.BOOL,
          read_only=True),
-    string('output', 'calibration.yaml', 'params file to write', check_named),
-    string('picture', '', 'picture of errors before and after to write, .png or .svg; empty: '
-           'none', check_optional_picture),
+    string('output', 'calibration.yaml', 'Params file to write.', check_named),
+    string('picture', '', 'Picture of the errors before and after to write, .png or .svg. Empty: '
+           'none.', check_optional_picture),
     OVERWRITE,
     EXECUTOR)
 
 ROBOT_DESCRIPTION = (
     *GEOMETRY, *JOINTS,
-    topic('robot_description_topic', 'robot_description', 'URDF out, String'),
-    string('robot_name', 'diffdrive', 'name of the robot in the URDF', check_named),
-    string('base_frame_id', 'base_link', 'link on the ground between the wheels', check_frame),
-    Spec('wheel_base', math.nan, 'distance [m] from the first to the last wheel of a side, which '
-         'are in order from front to rear; NaN: 2.5 radii a wheel', check=check_wheel_base),
-    Spec('wheel_width', math.nan, 'width [m] of the wheels, above 0; NaN: half a radius',
+    topic('robot_description_topic', 'robot_description', 'Publishes: the URDF (String).'),
+    string('robot_name', 'diffdrive', 'Name of the robot in the URDF.', check_named),
+    string('base_frame_id', 'base_link', 'Link on the ground between the wheels.', check_frame),
+    Spec('wheel_base', math.nan, 'Distance [m] from the first to the last wheel of a side; '
+         'wheels are listed from front to rear. NaN: 2.5 radii for each wheel.',
+         check=check_wheel_base),
+    Spec('wheel_width', math.nan, 'Width [m] of the wheels, above 0. NaN: half a radius.',
          check=check_positive_or_nan),
-    string('output', '', 'file to write instead: .urdf, or .yaml, a params file for '
-           'robot_state_publisher; empty: publish', check_description),
+    string('output', '', 'File to write instead of publishing: .urdf, or .yaml, a params file '
+           'for robot_state_publisher. Empty: publish.', check_description),
     OVERWRITE,
     EXECUTOR)
 
 DIFFDRIVE_SIM = (
-    Spec('nodes', [], "what to compose: 'class' or 'class:name'", Kind.STRINGS, read_only=True),
-    Spec('clock_step', 0.0, 'step [s] of a simulated clock that is published on /clock; 0: real '
-         'time', check=check_step, read_only=True),
-    Spec('real_time_factor', 0.0, 'pace of the simulated clock; 0: as fast as the nodes can '
-         'follow', check=check_non_negative, read_only=True),
-    string('record', '', 'file to write: .csv, of belief, truth, wheels and commands of one '
-           'robot 50 times a second, or .mcap, of all that the nodes publish; empty: none',
+    Spec('nodes', [], "The nodes to run in this process, each as 'class' or 'class:name'.",
+         Kind.STRINGS, read_only=True),
+    Spec('clock_step', 0.0, 'Step [s] of a simulated clock that is published on /clock. 0: real '
+         'time.', check=check_step, read_only=True),
+    Spec('real_time_factor', 0.0, 'Pace of the simulated clock over that of real time. 0: as '
+         'fast as the nodes can follow.', check=check_non_negative, read_only=True),
+    string('record', '', 'File to record into: .csv with belief, truth, wheels and commands of '
+           'one robot 50 times a second, or .mcap with all that the nodes publish. Empty: none.',
            check_recording),
-    string('square_runs', '', 'CSV file to which the runs around the square of command_sequence '
-           'are added, a row each, as calibrate reads them; empty: none'),
-    string('calibration', '', 'params file to write at the end, of a calibration by all rows of '
-           'square_runs; empty: none'),
-    string('picture', '', 'picture to write of the way that was driven, .png or .svg; empty: '
-           'none', check_optional_picture),
+    string('square_runs', '', 'CSV file with the columns clockwise,true_x,true_y,odom_x,odom_y '
+           'and one row for each run around a square.'),
+    string('calibration', '', 'Params file to write at the end, with a calibration from all rows '
+           'of square_runs. Empty: none.'),
+    string('picture', '', 'Picture of the path that was driven to write, .png or .svg. Empty: '
+           'none.', check_optional_picture),
     OVERWRITE,
     EXECUTOR)

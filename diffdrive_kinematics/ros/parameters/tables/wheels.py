@@ -30,81 +30,89 @@ from diffdrive_kinematics.ros.parameters.tables.shared import (
 
 WHEEL_NOISE = (
     *RADII, *JOINTS,
-    replace(SEPARATION[0], description='distance L between left and right wheels [m], above 0; '
-            'session_curvature_stddev, turn_slip_variance and heading_slip_variance ask for it',
+    replace(SEPARATION[0], description='Distance L between left and right wheels [m], above 0. '
+            'It is needed for session_curvature_stddev, turn_slip_variance and '
+            'heading_slip_variance only.',
             check=check_positive_or_nan, required=False), SEPARATION[1],
-    topic('input_topic', 'wheel_rates', 'nominal wheel motion in'),
-    topic('output_topic', 'noisy_wheel_rates', 'effective wheel motion out'),
+    topic('input_topic', 'wheel_rates', 'Subscribes to: wheel motion as it was commanded.'),
+    topic('output_topic', 'noisy_wheel_rates', 'Publishes: wheel motion with bias and slip.'),
     ENCODER_RANGE,
     *BIAS, *SLIP, *SESSION,
-    Spec('slip_model', 'travel', "'travel': variance grows with distance, whatever the message "
-         "rate; 'command': sigma is in proportion to the rate, drawn once a message, "
-         '*_slip_variance is its squared fraction [1], and the statistics depend on the message '
-         'rate', Kind.STRING, check_slip_model),
+    Spec('slip_model', 'travel', 'Law of the slip. travel: the variance grows with distance, '
+         'whatever the rate of messages. command: the standard deviation is in proportion to the '
+         'rate of the wheel, one value is drawn for each message, *_slip_variance is the square '
+         'of the fraction [1], and the statistics depend on the rate of messages.',
+         Kind.STRING, check_slip_model),
     DISTRIBUTION,
-    Spec('seed', 0, 'of the random generator, 0 or above; setting another one starts anew, with '
-         'another session',
+    Spec('seed', 0, 'Seed of the random generator, 0 or above. Setting another one starts the '
+         'noise again, with another session.',
          Kind.INTEGER, check_seed),
-    Spec('command_timeout', 0.5, 'silence [s] over which rates are held at most; as in '
-         'simulated_base; 0: any', check=check_duration),
+    Spec('command_timeout', 0.5, 'Longest time [s] without a message over which rates are held, '
+         'as in simulated_base. 0: any.', check=check_duration),
     DIAGNOSTICS, EXECUTOR)
 
 SIMULATED_BASE = (
     *GEOMETRY, *JOINTS,
-    topic('wheel_motion_topic', 'wheel_rates', 'wheel motion in: rates, positions or both'),
-    topic('odom_topic', 'odom', 'odometry out; empty: off', optional=True),
-    topic('joint_states_topic', 'joint_states', 'joint states out; empty: off', optional=True),
-    topic('set_pose_topic', 'set_pose', 'poses in to put the robot at, PoseWithCovarianceStamped '
-          'in odom_frame_id; empty: off', optional=True),
-    Spec('publish_rate', 50.0, 'rate [Hz] of odometry and joint states', check=check_rate),
-    Spec('command_timeout', 0.5, 'silence [s] after which the wheels stop, at the last stamp '
-         'plus this; 0: never', check=check_duration),
-    Spec('position_feedback', True, 'false: ignore positions in wheel motion and integrate its '
-         'rates', Kind.BOOL, read_only=True),
-    replace(ENCODER_RANGE, description='at which positions of the joints wrap around [rad]; '
-            'joint states out wrap into [-range/2, range/2), and what comes in counts modulo it, '
-            'up to half a range a message; 0: they do not wrap'),
-    Spec('encoder_resolution', 0.0, 'ticks a turn of the joint in the positions of joint states '
-         'out; 0: ideal', check=check_resolution, read_only=True),
-    Spec('max_encoder_rate', 1000.0, 'wheel rate [rad/s], well above what the wheels can do: '
-         "a driver's positions that went faster between two messages count anew, as encoders "
-         'that started again elsewhere do; NaN: none', check=check_positive_or_nan),
-    Spec('velocity_rolling_window_size', 10, "over how many messages of a driver's positions the "
-         'twist is taken', Kind.INTEGER, check_window, read_only=True),
-    Spec('extrapolate_positions', True, "whether the pose goes on from a driver's last positions "
-         'by the rates of that window, so that it is that of its stamp', Kind.BOOL,
+    topic('wheel_motion_topic', 'wheel_rates', 'Subscribes to: wheel motion, as rates, positions '
+          'or both.'),
+    topic('odom_topic', 'odom', 'Publishes: odometry. Empty: off.', optional=True),
+    topic('joint_states_topic', 'joint_states', 'Publishes: joint states. Empty: off.',
+          optional=True),
+    topic('set_pose_topic', 'set_pose', 'Subscribes to: poses at which the robot is placed '
+          '(PoseWithCovarianceStamped in odom_frame_id). Empty: off.', optional=True),
+    Spec('publish_rate', 50.0, 'Rate [Hz] of odometry and joint states.', check=check_rate),
+    Spec('command_timeout', 0.5, 'Time [s] without a message after which the wheels count as '
+         'stopped, at the last stamp plus this time. 0: never.', check=check_duration),
+    Spec('position_feedback', True, 'Use positions in wheel motion. false: integrate its rates '
+         'only.', Kind.BOOL, read_only=True),
+    replace(ENCODER_RANGE, description='Range [rad] after which positions of the joints wrap '
+            'around. Published joint states wrap into [-range/2, range/2). Positions that come in '
+            'count modulo it, up to half a range in one message. 0: they do not wrap.'),
+    Spec('encoder_resolution', 0.0, 'Ticks in one turn of a joint, for the positions in '
+         'published joint states. 0: ideal encoders.', check=check_resolution, read_only=True),
+    Spec('max_encoder_rate', 1000.0, 'Wheel rate [rad/s] well above what the wheels can do. If '
+         'the positions of a driver changed faster between two messages, they count from anew, '
+         'as encoders do that started again elsewhere. NaN: no limit.',
+         check=check_positive_or_nan),
+    Spec('velocity_rolling_window_size', 10, 'Number of messages over which the twist is taken '
+         "from a driver's positions.", Kind.INTEGER, check_window, read_only=True),
+    Spec('extrapolate_positions', True, "Continue the pose from a driver's last positions with "
+         'the rates of that window, so that it holds at its stamp.', Kind.BOOL,
          read_only=True),
     *START,
-    Spec('initial_heading_seed', -1, 'draw the yaw at start with this seed, as a ground truth '
-         'does; -1: do not, and publish how uncertain it is', Kind.INTEGER, check_optional_seed,
+    Spec('initial_heading_seed', -1, 'Seed with which the yaw at the start is drawn, as for a '
+         'ground truth. -1: the yaw is not drawn, and its uncertainty is published.',
+         Kind.INTEGER, check_optional_seed,
          read_only=True),
-    Spec('enable_odom_tf', True, 'broadcast odom_frame_id -> base_frame_id',
+    Spec('enable_odom_tf', True, 'Publish the transform from odom_frame_id to base_frame_id on '
+         '/tf.',
          Kind.BOOL, read_only=True),
-    Spec('publish_map_odom_tf', False, 'of a ground truth: broadcast odom_frame_id (map) -> the '
-         'frame of the belief, so that tf shows the robot where it is (needs '
-         'enable_odom_tf false)', Kind.BOOL, read_only=True),
-    topic('belief_topic', 'odom', 'odometry in that publish_map_odom_tf corrects'),
-    Spec('tf_frame_prefix_enable', False, 'put a prefix before odom_frame_id and base_frame_id',
+    Spec('publish_map_odom_tf', False, 'For a ground truth: publish the transform from its '
+         'odom_frame_id (map) to the frame of the belief on /tf, so that tf shows the robot '
+         'where it really is. enable_odom_tf must be false.', Kind.BOOL, read_only=True),
+    topic('belief_topic', 'odom', 'Subscribes to: odometry that publish_map_odom_tf corrects.'),
+    Spec('tf_frame_prefix_enable', False, 'Put a prefix before odom_frame_id and base_frame_id.',
          Kind.BOOL, read_only=True),
-    string('tf_frame_prefix', '', 'that prefix, with or without a slash at its end; empty or ~: '
-           'the namespace of the node', check_prefix),
-    string('odom_frame_id', 'odom', 'fixed frame of the odometry', check_frame),
-    string('base_frame_id', 'base_link', 'frame of the robot', check_frame),
+    string('tf_frame_prefix', '', 'Prefix of the frames, with or without a slash at its end. '
+           'Empty or ~: the namespace of the node.', check_prefix),
+    string('odom_frame_id', 'odom', 'Fixed frame of the odometry.', check_frame),
+    string('base_frame_id', 'base_link', 'Frame of the robot.', check_frame),
     *SLIP, *SESSION,
-    Spec('slip_model', 'travel', 'as in wheel_noise; the variances of command are none per metre '
-         'and are not counted here', Kind.STRING, check_slip_model),
-    Spec('covariance_floor', 1e-9, 'added to every variance that is published, so that none is '
-         'zero', check=check_non_negative),
-    Spec('pose_covariance_diagonal', [0.0] * 6, 'variances of the pose to publish instead of '
-         'those of the slip; zeros: do not', Kind.DOUBLES, check_diagonal),
-    Spec('twist_covariance_diagonal', [0.0] * 6, 'variances of the twist to publish instead of '
-         'those of the slip; zeros: do not', Kind.DOUBLES, check_diagonal),
-    topic('path_topic', '', 'the way that was come out, Path; empty: off', optional=True),
-    Spec('path_length', 1000, 'how many poses the path has at most; the oldest go',
+    Spec('slip_model', 'travel', 'Law of the slip, as in wheel_noise. The variances of the model '
+         'command are not per metre and do not count here.', Kind.STRING, check_slip_model),
+    Spec('covariance_floor', 1e-9, 'Value that is added to every published variance, so that '
+         'none is zero.', check=check_non_negative),
+    Spec('pose_covariance_diagonal', [0.0] * 6, 'Variances of the pose to publish instead of '
+         'those of the slip. Zeros: those of the slip.', Kind.DOUBLES, check_diagonal),
+    Spec('twist_covariance_diagonal', [0.0] * 6, 'Variances of the twist to publish instead of '
+         'those of the slip. Zeros: those of the slip.', Kind.DOUBLES, check_diagonal),
+    topic('path_topic', '', 'Publishes: the path that the robot has driven (Path). Empty: off.',
+          optional=True),
+    Spec('path_length', 1000, 'Greatest number of poses in the path. The oldest ones are dropped.',
          Kind.INTEGER, check_count, read_only=True),
-    Spec('path_spacing', 0.02, 'least distance [m] between poses of the path',
+    Spec('path_spacing', 0.02, 'Least distance [m] between poses of the path.',
          check=check_non_negative, read_only=True),
-    Spec('path_rate', 2.0, 'rate [Hz] at which the path is published, where it has changed',
+    Spec('path_rate', 2.0, 'Rate [Hz] at which the path is published when it has changed.',
          check=check_rate, read_only=True),
     DIAGNOSTICS, EXECUTOR)
 
@@ -114,19 +122,23 @@ WHEEL_ODOMETRY = tuple(
 
 FORWARD_PROJECTION = (
     *GEOMETRY, *JOINTS,
-    topic('odom_topic', 'odom', 'odometry in: where the robot is'),
-    topic('wheel_motion_topic', 'wheel_rates', 'wheel motion in: the rates that are held'),
-    topic('poses_topic', 'projected_poses', 'samples out, PoseArray; empty: off', optional=True),
-    topic('boundary_topic', 'projected_boundary', 'boundary of all that bounded slip can reach '
-          'out, PolygonStamped; empty: off', optional=True),
-    Spec('publish_rate', 5.0, 'rate [Hz] of the projections', check=check_rate),
-    Spec('command_timeout', 0.5, 'silence [s] after which the wheels count as stopped; as in '
-         'simulated_base; 0: never', check=check_duration),
+    topic('odom_topic', 'odom', 'Subscribes to: odometry, which says where the robot is.'),
+    topic('wheel_motion_topic', 'wheel_rates', 'Subscribes to: wheel motion, whose rates are '
+          'held.'),
+    topic('poses_topic', 'projected_poses', 'Publishes: the sampled poses (PoseArray). Empty: '
+          'off.', optional=True),
+    topic('boundary_topic', 'projected_boundary', 'Publishes: the boundary of all that bounded '
+          'slip can reach (PolygonStamped). Empty: off.', optional=True),
+    Spec('publish_rate', 5.0, 'Rate [Hz] of the projections.', check=check_rate),
+    Spec('command_timeout', 0.5, 'Time [s] without a message after which the wheels count as '
+         'stopped, as in simulated_base. 0: never.', check=check_duration),
     ENCODER_RANGE,
-    Spec('horizon', 2.0, 'how far ahead [s] to look, above 0', check=check_horizon),
-    Spec('stages', 4, 'into how many steps of equal length the horizon is cut, each with slip of '
-         'its own', Kind.INTEGER, check_stages),
-    Spec('samples', 200, 'number of poses', Kind.INTEGER, check_count),
-    Spec('seed', 0, 'of the samples; the same each time, so that they move with the robot',
+    Spec('horizon', 2.0, 'Time ahead [s] for which poses are projected, above 0.',
+         check=check_horizon),
+    Spec('stages', 4, 'Number of equal steps into which the horizon is cut. Each has slip of its '
+         'own.', Kind.INTEGER, check_stages),
+    Spec('samples', 200, 'Number of sampled poses.', Kind.INTEGER, check_count),
+    Spec('seed', 0, 'Seed of the samples. It is used anew each time, so that the samples move '
+         'with the robot.',
          Kind.INTEGER, check_seed),
     *SLIP, DISTRIBUTION, DIAGNOSTICS, EXECUTOR)
