@@ -170,7 +170,7 @@ class GoalSteering(DiffDriveNode[Config]):
         if blind and not self._standing:
             self.counts['odometry timeouts'] += 1
             self.get_logger().warning(
-                f"no odometry on '{topic}' for {timeout:g} s: the robot is told to stand")
+                f"no odometry on '{topic}' for {timeout:g} s: the robot is to stand still")
         elif self._standing and not blind:
             self.get_logger().info('odometry is back: driving on')
         self._standing = blind

@@ -273,7 +273,7 @@ def test_a_clock_that_is_not_that_of_the_stamps_is_named_and_projections_are_rig
     looks.clear()
     graph.wait_for(  # without a word from outside but the time
         lambda: pass_time() and any(
-            'nothing heard' in status.message for look in looks for status in look.status),
+            'no messages' in status.message for look in looks for status in look.status),
         'silence')
     ages = [float(value.value) for look in looks for status in look.status
             for value in status.values if value.key == 'age of the last odometry [s]']

@@ -165,7 +165,7 @@ def test_odometry_of_one_stamp_is_as_good_as_none(graph):
 
     def told_again():
         odometry.publish(message)
-        return 'is told to stand' in steering.output
+        return 'is to stand still' in steering.output
 
     graph.wait_for(told_again, 'the timeout')
     graph.wait_for(lambda: commands and commands[-1].linear.x == 0.0, 'zeros')

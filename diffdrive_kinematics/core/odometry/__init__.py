@@ -33,11 +33,11 @@ from diffdrive_kinematics.core.odometry.rate_window import RateWindow
 from diffdrive_kinematics.core.odometry.sender_clock import SenderClock
 from diffdrive_kinematics.core.odometry.sender_clocks import REMEMBERED_NS, SenderClocks
 from diffdrive_kinematics.core.odometry.slip_stream import SlipStream
-from diffdrive_kinematics.core.odometry.source import Source, Spoken
+from diffdrive_kinematics.core.odometry.source import JointMessage, Source
 from diffdrive_kinematics.core.odometry.sources import Sources
 from diffdrive_kinematics.core.odometry.timeouts import (
     step_tolerance, timeout_from_seconds, tolerance_of)
-from diffdrive_kinematics.core.odometry.velocity_check import Contradiction, VelocityCheck
+from diffdrive_kinematics.core.odometry.velocity_check import Mismatch, VelocityCheck
 from diffdrive_kinematics.core.odometry.wheel_comparison import Disagreement, mean_of
 from diffdrive_kinematics.core.odometry.wheel_motion import (
     anchored, baseline, is_silent, rates_at, rolled, shifted, WheelMotion)
@@ -48,10 +48,10 @@ from diffdrive_kinematics.core.odometry.wheel_state import WheelState
 from diffdrive_kinematics.core.odometry.wheel_track import WheelTrack
 
 __all__ = [
-    'Anchor', 'Assembled', 'Assembly', 'BaseState', 'Contradiction', 'Disagreement', 'Encoder',
-    'JointReading', 'MeasuredWheels', 'MotionUpdate', 'Odometry', 'OdometryHistory',
+    'Anchor', 'Assembled', 'Assembly', 'BaseState', 'Disagreement', 'Encoder', 'JointMessage',
+    'JointReading', 'MeasuredWheels', 'Mismatch', 'MotionUpdate', 'Odometry', 'OdometryHistory',
     'OdometryState', 'PositionTrack', 'REMEMBERED_NS', 'RateWindow', 'SenderClock', 'SenderClocks',
-    'SideTrack', 'SlipStream', 'Source', 'Sources', 'Spoken', 'VelocityCheck', 'Verdict',
-    'WheelMotion', 'WheelPair', 'WheelSample', 'WheelState', 'WheelTrack', 'ZERO', 'anchored',
-    'baseline', 'is_run', 'is_silent', 'mean_of', 'rates_at', 'rolled', 'shifted',
-    'step_tolerance', 'timeout_from_seconds', 'tolerance_of', 'update_motion', 'wrapped_increment']
+    'SideTrack', 'SlipStream', 'Source', 'Sources', 'VelocityCheck', 'Verdict', 'WheelMotion',
+    'WheelPair', 'WheelSample', 'WheelState', 'WheelTrack', 'ZERO', 'anchored', 'baseline',
+    'is_run', 'is_silent', 'mean_of', 'rates_at', 'rolled', 'shifted', 'step_tolerance',
+    'timeout_from_seconds', 'tolerance_of', 'update_motion', 'wrapped_increment']

@@ -73,7 +73,7 @@ OWN = Clock(0, 0, 0, True)
 
 class SenderClocks(NamedTuple):
     """
-    What is known of the clocks of senders; a value: :meth:`heard` returns a new one.
+    What is known of the clocks of senders; a value: :meth:`update` returns a new one.
 
     Parameters
     ----------
@@ -88,13 +88,13 @@ class SenderClocks(NamedTuple):
     --------
     A sender on the own clock, then one whose clock is 3 s ahead; messages take 2 ms:
 
-    >>> clocks, age_ns = SenderClocks(timeout_ns=500_000_000).heard(2_000_000, 0)
+    >>> clocks, age_ns = SenderClocks(timeout_ns=500_000_000).update(2_000_000, 0)
     >>> age_ns, clocks.agree()
     (2000000, True)
-    >>> clocks, age_ns = clocks.heard(-2_998_000_000, 10_000_000)
+    >>> clocks, age_ns = clocks.update(-2_998_000_000, 10_000_000)
     >>> age_ns, clocks.agree(), [clock.offset_ns for clock in clocks.clocks]
     (0, False, [0, -2998000000])
-    >>> clocks.heard(-1_998_000_000, 20_000_000)[1]  # 1 s later than the first one
+    >>> clocks.update(-1_998_000_000, 20_000_000)[1]  # 1 s later than the first one
     1000000000
 
     """
@@ -103,7 +103,7 @@ class SenderClocks(NamedTuple):
     clocks: Tuple[Clock, ...] = (OWN,)
     given_ns: Optional[int] = None
 
-    def heard(self, latency_ns: int, arrival_ns: int) -> Tuple['SenderClocks', int]:
+    def update(self, latency_ns: int, arrival_ns: int) -> Tuple['SenderClocks', int]:
         """
         Return the clocks after a message, and its age.
 

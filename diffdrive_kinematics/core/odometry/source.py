@@ -17,7 +17,7 @@
 import math
 from typing import NamedTuple, Optional, Sequence, Tuple
 
-__all__ = ['Source', 'Spoken', 'TAKEOVER_NS']
+__all__ = ['JointMessage', 'Source', 'TAKEOVER_NS']
 
 LARGEST_GAP = 100  # messages that are lost without a silence; who is further ahead is another one
 FASTEST_NS = 500_000  # between messages: what a silence may have swallowed
@@ -25,7 +25,7 @@ TAKEOVER_NS = 500_000_000  # of silence, where a single publisher is known
 STANDS = 1e-3  # [rad, rad/s]
 
 
-class Spoken(NamedTuple):
+class JointMessage(NamedTuple):
     """
     What a message says, and who sent it when.
 
@@ -44,7 +44,7 @@ class Spoken(NamedTuple):
 
     Examples
     --------
-    >>> Spoken('', (0, 1), number=7, now_ns=20_000_000, positions=(0.5, 0.25)).rates
+    >>> JointMessage('', (0, 1), number=7, now_ns=20_000_000, positions=(0.5, 0.25)).rates
     ()
 
     """
@@ -63,11 +63,11 @@ class Source(NamedTuple):
 
     Parameters
     ----------
-    first, last : Spoken
+    first, last : JointMessage
         Its first message, which tells it from all others, and its last one.
     moved : bool
         Whether it has ever said that a joint moves.
-    gap : tuple of (Spoken, Spoken), optional
+    gap : tuple of (JointMessage, JointMessage), optional
         The messages before and after the last gap of its numbers: what comes in between tells that
         from there on it was another publisher.
 
@@ -75,12 +75,12 @@ class Source(NamedTuple):
     --------
     A publisher of both wheels whose second message did not come:
 
-    >>> first = Spoken('', (0, 1), number=1, now_ns=0, positions=(0.0, 0.0))
-    >>> third = Spoken('', (0, 1), number=3, now_ns=40_000_000, positions=(0.5, 0.25))
+    >>> first = JointMessage('', (0, 1), number=1, now_ns=0, positions=(0.0, 0.0))
+    >>> third = JointMessage('', (0, 1), number=3, now_ns=40_000_000, positions=(0.5, 0.25))
     >>> source = Source(first, first)
     >>> source.ahead(third), source.distance(third), source.silent(third.now_ns)
     (2, 0.5, 40000000)
-    >>> source = source.speaking(third)
+    >>> source = source.with_message(third)
     >>> source.moved, source.gap == (first, third)
     (True, True)
 
@@ -91,18 +91,18 @@ class Source(NamedTuple):
 
     """
 
-    first: Spoken
-    last: Spoken
+    first: JointMessage
+    last: JointMessage
     moved: bool = False
-    gap: Optional[Tuple[Spoken, Spoken]] = None
+    gap: Optional[Tuple[JointMessage, JointMessage]] = None
 
-    def ahead(self, spoken: Spoken) -> int:
+    def ahead(self, received: JointMessage) -> int:
         """
         Return how many messages after the last one it would be; 0: it is not this one's.
 
         Parameters
         ----------
-        spoken : Spoken
+        received : JointMessage
             The message.
 
         Returns
@@ -116,21 +116,21 @@ class Source(NamedTuple):
 
         """
         last = self.last
-        if spoken.tag != last.tag or spoken.joints != last.joints:
+        if received.tag != last.tag or received.joints != last.joints:
             return 0
-        if not spoken.number or not last.number:
+        if not received.number or not last.number:
             return 1
-        ahead, silent = spoken.number - last.number, self.silent(spoken.now_ns)
+        ahead, silent = received.number - last.number, self.silent(received.now_ns)
         return ahead if 0 < ahead and (
             ahead <= LARGEST_GAP + silent // FASTEST_NS or silent > TAKEOVER_NS) else 0
 
-    def parted(self, spoken: Spoken) -> 'Tuple[Source, ...]':
+    def parted(self, received: JointMessage) -> 'Tuple[Source, ...]':
         """
         Return the source as the two that it is where a message comes from within its gap.
 
         Parameters
         ----------
-        spoken : Spoken
+        received : JointMessage
             The message.
 
         Returns
@@ -143,19 +143,19 @@ class Source(NamedTuple):
         See :class:`Source`.
 
         """
-        if self.gap and spoken.tag == self.last.tag and spoken.joints == self.last.joints \
-                and self.gap[0].number < spoken.number < self.gap[1].number:
+        if self.gap and received.tag == self.last.tag and received.joints == self.last.joints \
+                and self.gap[0].number < received.number < self.gap[1].number:
             return (Source(self.first, self.gap[0], self.moved),
                     Source(self.gap[1], self.last))
         return self,
 
-    def precedes(self, spoken: Spoken) -> bool:
+    def precedes(self, received: JointMessage) -> bool:
         """
         Tell whether a message about other joints seems to come from the same publisher.
 
         Parameters
         ----------
-        spoken : Spoken
+        received : JointMessage
             The message.
 
         Returns
@@ -165,23 +165,23 @@ class Source(NamedTuple):
 
         Examples
         --------
-        >>> left = Spoken('', (0,), number=1, now_ns=0)
-        >>> right = Spoken('', (1,), number=2, now_ns=3_000_000)
+        >>> left = JointMessage('', (0,), number=1, now_ns=0)
+        >>> right = JointMessage('', (1,), number=2, now_ns=3_000_000)
         >>> Source(left, left).precedes(right), Source(left, left).precedes(left)
         (True, False)
 
         """
         last = self.last
-        return spoken.tag == last.tag and spoken.joints != last.joints and (
-            not spoken.number or spoken.number == last.number + 1)
+        return received.tag == last.tag and received.joints != last.joints and (
+            not received.number or received.number == last.number + 1)
 
-    def distance(self, spoken: Spoken) -> float:
+    def distance(self, received: JointMessage) -> float:
         """
         Return how far the positions of a message are from the last ones.
 
         Parameters
         ----------
-        spoken : Spoken
+        received : JointMessage
             The message, about the same joints.
 
         Returns
@@ -194,16 +194,16 @@ class Source(NamedTuple):
         See :class:`Source`.
 
         """
-        apart = [abs(a - b) for a, b in zip(spoken.positions, self.last.positions)]
+        apart = [abs(a - b) for a, b in zip(received.positions, self.last.positions)]
         return max((each for each in apart if not math.isnan(each)), default=0.0)
 
-    def speaking(self, spoken: Spoken) -> 'Source':
+    def with_message(self, received: JointMessage) -> 'Source':
         """
         Return the source after a message.
 
         Parameters
         ----------
-        spoken : Spoken
+        received : JointMessage
             The message, which is of this source.
 
         Returns
@@ -216,12 +216,12 @@ class Source(NamedTuple):
         See :class:`Source`.
 
         """
-        moved = self.moved or any(abs(rate) > STANDS for rate in spoken.rates) or any(
-            abs(a - b) > STANDS for a, b in zip(spoken.positions, self.first.positions))
+        moved = self.moved or any(abs(rate) > STANDS for rate in received.rates) or any(
+            abs(a - b) > STANDS for a, b in zip(received.positions, self.first.positions))
         gap = self.gap
-        if spoken.number > self.last.number + 1:
-            gap = self.last, spoken
-        return Source(self.first, spoken, moved, gap)
+        if received.number > self.last.number + 1:
+            gap = self.last, received
+        return Source(self.first, received, moved, gap)
 
     def silent(self, now_ns: int) -> int:
         """

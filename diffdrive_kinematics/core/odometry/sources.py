@@ -29,11 +29,11 @@ gives to the messages of each publisher: those of one go up, one by one where no
 
 from typing import NamedTuple, Optional, Sequence, Tuple
 
-from diffdrive_kinematics.core.odometry.source import Source, Spoken, TAKEOVER_NS
+from diffdrive_kinematics.core.odometry.source import JointMessage, Source, TAKEOVER_NS
 
 __all__ = ['Sources']
 
-CONTESTED_TAKEOVER_NS = 2_000_000_000  # of silence, where two have spoken in turn
+CONTESTED_TAKEOVER_NS = 2_000_000_000  # of silence, where two have sent in turn
 CONTEST_NS = 5_000_000_000  # for which it is reported after the last sign of it
 FORGOTTEN_NS = 10_000_000_000
 MOST_SOURCES = 8
@@ -42,13 +42,13 @@ NEVER_NS = -10**20
 
 class Sources(NamedTuple):
     """
-    The publishers of some joints; a value: :meth:`heard` returns a new one.
+    The publishers of some joints; a value: :meth:`update` returns a new one.
 
     Parameters
     ----------
     known : tuple of Source
         In the order in which they began.
-    owners : tuple of Spoken
+    owners : tuple of JointMessage
         The sources that are used, by the first message of each, which is unique.
     contested_ns : int
         When two of the same joints last spoke in turn [ns].
@@ -61,27 +61,28 @@ class Sources(NamedTuple):
 
     >>> sources = Sources()
     >>> for number in range(1, 5):
-    ...     moved = Spoken('', (0, 1), number, 20_000_000 * number, (0.5 * number, 0.5 * number))
-    ...     zeros = Spoken('', (0, 1), 900 + number, moved.now_ns + 9_000_000, (0.0, 0.0))
-    ...     sources, moved_believed = sources.heard(moved)
-    ...     sources, zeros_believed = sources.heard(zeros)
+    ...     moved = JointMessage(
+    ...         '', (0, 1), number, 20_000_000 * number, (0.5 * number, 0.5 * number))
+    ...     zeros = JointMessage('', (0, 1), 900 + number, moved.now_ns + 9_000_000, (0.0, 0.0))
+    ...     sources, moved_believed = sources.update(moved)
+    ...     sources, zeros_believed = sources.update(zeros)
     >>> moved_believed, zeros_believed, sources.ignored, sources.contested(zeros.now_ns)
     (True, False, 4, True)
 
     """
 
     known: Tuple[Source, ...] = ()
-    owners: Tuple[Spoken, ...] = ()
+    owners: Tuple[JointMessage, ...] = ()
     contested_ns: int = NEVER_NS
     ignored: int = 0
 
-    def heard(self, spoken: Spoken) -> Tuple['Sources', bool]:
+    def update(self, received: JointMessage) -> Tuple['Sources', bool]:
         """
         Return the sources after a message, and whether it is used.
 
         Parameters
         ----------
-        spoken : Spoken
+        received : JointMessage
             The message.
 
         Returns
@@ -96,20 +97,20 @@ class Sources(NamedTuple):
         See :class:`Sources`.
 
         """
-        parted = tuple(part for each in self.known for part in each.parted(spoken))
+        parted = tuple(part for each in self.known for part in each.parted(received))
         if len(parted) > len(self.known):
-            return self._replace(known=parted).heard(spoken)
-        source = self._source_of(spoken)
-        before = source.last if source else spoken
-        source = (source or Source(spoken, spoken)).speaking(spoken)
-        known = self._with(source, spoken)
+            return self._replace(known=parted).update(received)
+        source = self._source_of(received)
+        before = source.last if source else received
+        source = (source or Source(received, received)).with_message(received)
+        known = self._with(source, received)
         others = [each for each in known if each.first is not source.first
-                  and not set(each.first.joints).isdisjoint(spoken.joints)
-                  and not each.precedes(spoken)]
+                  and not set(each.first.joints).isdisjoint(received.joints)
+                  and not each.precedes(received)]
         rivals = [each for each in others if each.first in self.owners]
         contested_ns = self.contested_ns
-        if before is not spoken and _in_turn(before, spoken, others):
-            contested_ns = spoken.now_ns
+        if before is not received and _in_turn(before, received, others):
+            contested_ns = received.now_ns
         result = Sources(known, self.owners, contested_ns, self.ignored)
         if not all(result._gives_way(rival, source) for rival in rivals):
             return result._replace(ignored=self.ignored + 1), False
@@ -119,13 +120,13 @@ class Sources(NamedTuple):
             owners += (source.first,)
         return result._replace(owners=owners), True
 
-    def caught_up(self, spoken: Spoken) -> 'Sources':
+    def caught_up(self, received: JointMessage) -> 'Sources':
         """
         Return the sources after more messages of the only one, of which this is the last.
 
         Parameters
         ----------
-        spoken : Spoken
+        received : JointMessage
             The last one of the messages; those before it are no gap.
 
         Returns
@@ -140,19 +141,19 @@ class Sources(NamedTuple):
 
         Examples
         --------
-        >>> first = Spoken('', (0, 1), number=1, now_ns=0)
-        >>> sources, _ = Sources().heard(first)
+        >>> first = JointMessage('', (0, 1), number=1, now_ns=0)
+        >>> sources, _ = Sources().update(first)
         >>> source, = sources.caught_up(first._replace(number=9, now_ns=160_000_000)).known
         >>> source.last.number, source.gap
         (9, None)
 
         """
         source, = self.known
-        return self._replace(known=(source.speaking(spoken)._replace(gap=source.gap),))
+        return self._replace(known=(source.with_message(received)._replace(gap=source.gap),))
 
     def contested(self, now_ns: int) -> bool:
         """
-        Return whether two publishers of the same joints have spoken in turn of late.
+        Return whether two publishers of the same joints have sent in turn of late.
 
         Parameters
         ----------
@@ -171,27 +172,28 @@ class Sources(NamedTuple):
         """
         return abs(now_ns - self.contested_ns) < CONTEST_NS
 
-    def _source_of(self, spoken: Spoken) -> Optional[Source]:
+    def _source_of(self, received: JointMessage) -> Optional[Source]:
         """
         Return the source that a message belongs to: the one whose number it follows.
 
         One that has lost its place by its silence is only asked where no other one fits: a
         restarted publisher counts past its predecessor.
         """
-        longest_ns = self._takeover_ns(spoken.now_ns)
-        found = [(source.silent(spoken.now_ns) > longest_ns, ahead, source.distance(spoken), place)
-                 for place, source in enumerate(self.known) if (ahead := source.ahead(spoken))]
+        longest_ns = self._takeover_ns(received.now_ns)
+        found = [
+            (source.silent(received.now_ns) > longest_ns, ahead, source.distance(received), place)
+            for place, source in enumerate(self.known) if (ahead := source.ahead(received))]
         return self.known[min(found)[-1]] if found else None
 
     def _takeover_ns(self, now_ns: int) -> int:
         """Return after what silence [ns] a source gives way to another one."""
         return CONTESTED_TAKEOVER_NS if self.contested(now_ns) else TAKEOVER_NS
 
-    def _with(self, source: Source, spoken: Spoken) -> Tuple[Source, ...]:
+    def _with(self, source: Source, received: JointMessage) -> Tuple[Source, ...]:
         """Return the known sources with this one as it is now, without those long silent."""
         kept = tuple(
             source if each.first is source.first else each for each in self.known
-            if each.first in self.owners or each.silent(spoken.now_ns) < FORGOTTEN_NS)
+            if each.first in self.owners or each.silent(received.now_ns) < FORGOTTEN_NS)
         if any(each is source for each in kept):
             return kept
         spare = [each.first for each in kept if each.first not in self.owners]
@@ -215,7 +217,7 @@ class Sources(NamedTuple):
                     if each.first is source.first)
 
 
-def _in_turn(before: Spoken, spoken: Spoken, others: Sequence[Source]) -> bool:
-    """Tell whether one of the others has spoken since a source did before."""
+def _in_turn(before: JointMessage, received: JointMessage, others: Sequence[Source]) -> bool:
+    """Tell whether one of the others has received since a source did before."""
     return any(before.now_ns <= each.last.now_ns
-               and each.silent(spoken.now_ns) < CONTESTED_TAKEOVER_NS for each in others)
+               and each.silent(received.now_ns) < CONTESTED_TAKEOVER_NS for each in others)

@@ -29,7 +29,7 @@ from typing import NamedTuple, Optional, Tuple
 
 from diffdrive_kinematics.core.odometry.wheel_sample import WheelPair, ZERO
 
-__all__ = ['Contradiction', 'VelocityCheck']
+__all__ = ['Mismatch', 'VelocityCheck']
 
 FEWEST = 10  # messages of a block,
 SHORTEST_S = 0.5  # its duration
@@ -41,7 +41,7 @@ GROSS = 2.0
 PERSISTENT = 3  # blocks
 
 
-class Contradiction(NamedTuple):
+class Mismatch(NamedTuple):
     """
     What velocities and positions say of the same time.
 
@@ -49,7 +49,7 @@ class Contradiction(NamedTuple):
     ----------
     side : str
         The wheel, or ``both``: ``left``, ``right``.
-    told, rolled : float
+    reported, rolled : float
         Travel [rad] by the velocities and by the positions.
 
     Examples
@@ -59,7 +59,7 @@ class Contradiction(NamedTuple):
     """
 
     side: str
-    told: float
+    reported: float
     rolled: float
 
 
@@ -71,11 +71,11 @@ class VelocityCheck(NamedTuple):
     ----------
     believed : bool
         Whether they agreed with the positions when it was judged last.
-    disagreement : Contradiction or None
+    disagreement : Mismatch or None
         What they persistently differ by.
-    against : tuple of Contradiction
+    against : tuple of Mismatch
         The last blocks in a row that disagreed.
-    told, rolled, largest, low, high : pair of float
+    reported, rolled, largest, low, high : pair of float
         Of the block that is under way: travel by the velocities and by the positions [rad], the
         largest increment [rad], the lowest and the highest velocity [rad/s].
     messages, seconds : int, float
@@ -93,15 +93,15 @@ class VelocityCheck(NamedTuple):
     ...     right = right.followed((1.0, 1.0), increments=(0.0625, 0.0625), seconds=0.0625)
     >>> wrong.believed, right.believed
     (False, True)
-    >>> wrong.disagreement == Contradiction('both', told=112.5, rolled=1.875)
+    >>> wrong.disagreement == Mismatch('both', reported=112.5, rolled=1.875)
     True
 
     """
 
     believed: bool = False
-    disagreement: Optional[Contradiction] = None
-    against: Tuple[Contradiction, ...] = ()
-    told: WheelPair = ZERO
+    disagreement: Optional[Mismatch] = None
+    against: Tuple[Mismatch, ...] = ()
+    reported: WheelPair = ZERO
     rolled: WheelPair = ZERO
     largest: WheelPair = ZERO
     low: WheelPair = ZERO
@@ -142,8 +142,8 @@ class VelocityCheck(NamedTuple):
         low, high = (self.low, self.high) if self.messages else (before, before)
         check = VelocityCheck(
             self.believed, self.disagreement, self.against,
-            (self.told[0] + half * (before[0] + rates[0]),
-             self.told[1] + half * (before[1] + rates[1])),
+            (self.reported[0] + half * (before[0] + rates[0]),
+             self.reported[1] + half * (before[1] + rates[1])),
             (self.rolled[0] + increments[0], self.rolled[1] + increments[1]),
             (max(self.largest[0], abs(increments[0])), max(self.largest[1], abs(increments[1]))),
             (min(low[0], rates[0]), min(low[1], rates[1])),
@@ -151,7 +151,7 @@ class VelocityCheck(NamedTuple):
             self.messages + 1, self.seconds + seconds, rates)
         if check.messages < FEWEST or check.seconds < SHORTEST_S:
             return check
-        if max(map(abs, (*check.told, *check.rolled))) >= ENOUGH:
+        if max(map(abs, (*check.reported, *check.rolled))) >= ENOUGH:
             return check._judged()
         return check._anew() if check.seconds > LONGEST_S else check
 
@@ -170,44 +170,44 @@ class VelocityCheck(NamedTuple):
             believed=self.believed and not (persistent or _grossly(wrong)), against=against,
             disagreement=_together(against) if persistent else self.disagreement)
 
-    def _wrong(self, late: float) -> Optional[Contradiction]:
+    def _wrong(self, late: float) -> Optional[Mismatch]:
         """Return by what wheels disagree in the block with a filter that is late [s]; or None."""
         allowed = [largest + late * (high - low) for largest, low, high in zip(
             self.largest, self.low, self.high)]
-        wrong = [Contradiction(side, told, rolled) for side, told, rolled, allowance in zip(
-            ('left', 'right'), self.told, self.rolled, allowed) if _differ(
-                told, rolled, allowance)]
+        wrong = [Mismatch(side, reported, rolled) for side, reported, rolled, allowance in zip(
+            ('left', 'right'), self.reported, self.rolled, allowed) if _differ(
+                reported, rolled, allowance)]
         if len(wrong) == 2 and _alike(*wrong):
-            return Contradiction('both', *max(
+            return Mismatch('both', *max(
                 (each[1:] for each in wrong), key=lambda travel: max(map(abs, travel))))
         return wrong[0] if wrong else None
 
 
-def _together(blocks: Tuple[Contradiction, ...]) -> Contradiction:
+def _together(blocks: Tuple[Mismatch, ...]) -> Mismatch:
     """Return what blocks disagree by, all in all."""
     sides = {block.side for block in blocks}
-    return Contradiction(
-        sides.pop() if len(sides) == 1 else 'both', sum(block.told for block in blocks),
+    return Mismatch(
+        sides.pop() if len(sides) == 1 else 'both', sum(block.reported for block in blocks),
         sum(block.rolled for block in blocks))
 
 
-def _differ(told: float, rolled: float, allowance: float) -> bool:
-    travel = max(abs(told), abs(rolled))
-    return travel >= ENOUGH and abs(told - rolled) > TOLERANCE * travel + allowance
+def _differ(reported: float, rolled: float, allowance: float) -> bool:
+    travel = max(abs(reported), abs(rolled))
+    return travel >= ENOUGH and abs(reported - rolled) > TOLERANCE * travel + allowance
 
 
-def _alike(one: Contradiction, other: Contradiction) -> bool:
+def _alike(one: Mismatch, other: Mismatch) -> bool:
     """Tell whether two blocks are wrong in the same way."""
     return _way(one) == _way(other)
 
 
-def _grossly(wrong: Contradiction) -> bool:
+def _grossly(wrong: Mismatch) -> bool:
     """Tell whether a block is wrong by more than a factor, or by sign."""
-    low, high = sorted((abs(wrong.told), abs(wrong.rolled)))
-    return wrong.told * wrong.rolled < 0.0 or high > GROSS * low
+    low, high = sorted((abs(wrong.reported), abs(wrong.rolled)))
+    return wrong.reported * wrong.rolled < 0.0 or high > GROSS * low
 
 
-def _way(wrong: Contradiction) -> str:
-    if wrong.told * wrong.rolled < 0.0:
+def _way(wrong: Mismatch) -> str:
+    if wrong.reported * wrong.rolled < 0.0:
         return 'sign'
-    return 'more' if abs(wrong.told) > abs(wrong.rolled) else 'less'
+    return 'more' if abs(wrong.reported) > abs(wrong.rolled) else 'less'

@@ -68,7 +68,7 @@ class CommandIntake:
             node.get_logger().warning(
                 f"stamp_tolerance is {values['stamp_tolerance']!r} and cmd_vel_timeout "
                 f"{values['cmd_vel_timeout']!r}: a command that is older than the timeout when it "
-                'comes is over at once')
+                'arrives ends at once')
 
     def configure(self, values: Mapping[str, Any]) -> None:
         """Judge by other values from now on."""
@@ -147,8 +147,8 @@ class CommandIntake:
         """Return how long ago [ns] a message was sent, and learn of its sender's clock."""
         now_ns = time.monotonic_ns()
         if self._on_own_clock:  # up to now
-            self._clocks = self._clocks.heard(0, now_ns)[0]
-        self._clocks, age_ns = self._clocks.heard(latency_ns, now_ns)
+            self._clocks = self._clocks.update(0, now_ns)[0]
+        self._clocks, age_ns = self._clocks.update(latency_ns, now_ns)
         self._on_own_clock = self._clocks.agree()
         return age_ns
 

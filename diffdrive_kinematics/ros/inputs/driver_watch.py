@@ -17,7 +17,7 @@
 import math
 from typing import Any, Dict, List, Optional
 
-from diffdrive_kinematics.core.odometry import Contradiction, Odometry
+from diffdrive_kinematics.core.odometry import Mismatch, Odometry
 from diffdrive_kinematics.ros.runtime.diagnostics import Problem, WARN
 
 __all__ = ['DriverWatch', 'clock_text', 'velocity_text']
@@ -43,15 +43,15 @@ def clock_text(offset_ns: int, topic: str) -> str:
             f'that: {remedy}')
 
 
-def velocity_text(disagreement: Contradiction, radius: float, topic: str) -> str:
+def velocity_text(disagreement: Mismatch, radius: float, topic: str) -> str:
     """Return what to say of velocities that are not those of the positions."""
-    side, told, rolled = disagreement
+    side, reported, rolled = disagreement
     wheels = 'both wheels' if side == 'both' else f'the {side} wheel'
-    if abs(rolled) <= min(STANDING, abs(told)):
-        says = f'says {told:.3g} rad while the positions say {rolled:.3g} rad'
+    if abs(rolled) <= min(STANDING, abs(reported)):
+        says = f'says {reported:.3g} rad while the positions say {rolled:.3g} rad'
         reason = 'is it a set point, or what is configured?'
     else:
-        factor = told / rolled
+        factor = reported / rolled
         says = f'is {factor:.3g} times what the positions say'
         reason = _reason(factor, radius)
     return (f"velocity of {wheels} on '{topic}' {says}: {reason} It is not used, the positions "
@@ -91,7 +91,7 @@ class DriverWatch:
         self._node, self._topic = node, node.resolve_topic_name(topic)
         self._gear_ratio = node.config.values['gear_ratio']  # m/s are those of the wheel
         self._clock = ''
-        self._disagreement: Optional[Contradiction] = None
+        self._disagreement: Optional[Mismatch] = None
         self._velocity = ''
 
     def look(self, odometry: Odometry) -> None:
@@ -104,7 +104,7 @@ class DriverWatch:
             self._clock = text
         elif self._clock and not clock.apart:
             self._clock = ''
-            self._node.get_logger().info(f"stamps on '{self._topic}' are of our clock again")
+            self._node.get_logger().info(f"stamps on '{self._topic}' are of the own clock again")
         disagreement = odometry.measured.check.disagreement if odometry.measured else None
         if disagreement is self._disagreement:
             return
@@ -130,4 +130,4 @@ class DriverWatch:
             'agree' if measured.check.believed else
             'disagree' if self._disagreement else 'not used')
         return {'stamps are behind by [s]': odometry.clock.offset_ns / 1e9,
-                'velocities and positions': believed or 'as told'}
+                'velocities and positions': believed or 'as reported'}

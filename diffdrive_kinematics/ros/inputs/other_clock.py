@@ -52,8 +52,8 @@ class StampWatch:
             self._said = clock.differs
             if self._said:
                 self._node.get_logger().warning(
-                    f'{self._finding()} ({stamp_ns / 1e9:.3f} s, where that shows '
-                    f'{now_ns / 1e9:.3f} s); silence is judged by arrival')
+                    f'{self._finding()} (stamp {stamp_ns / 1e9:.3f} s, own clock '
+                    f'{now_ns / 1e9:.3f} s); timeouts count from the arrival of messages')
 
     def clock_stepped(self, step_ns: int) -> None:
         """Note that the clock of the node was stepped."""

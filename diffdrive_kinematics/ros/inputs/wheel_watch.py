@@ -81,7 +81,8 @@ class WheelWatch:
                 f"message on '{self._topic}': name is {list(self._reader.partial)!r}, only some "
                 f'of our joints, expected also {missing!r}')
         elif not never and not self._silent:
-            self._silent = f"nothing heard of {missing!r} on '{self._topic}', of the others it is"
+            self._silent = (
+                f"no messages of {missing!r} on '{self._topic}', while the other joints have some")
             self._node.get_logger().warning(self._silent)
 
     def _look_at_stamps(self) -> None:
@@ -95,8 +96,8 @@ class WheelWatch:
             return
         told, self._apart = self._apart, (
             f"stamps of {last!r} on '{self._topic}' are {apart_ns / 1e9:.3f} s behind those of "
-            f'{first!r}, so what the wheels say is not of one time: has each board a clock of '
-            'its own?')
+            f'{first!r}, so the readings of the wheels are of different times: has each '
+            'board a clock of its own?')
         if not told:
             self._node.get_logger().warning(self._apart)
 

@@ -19,7 +19,7 @@ from typing import Dict, List, NamedTuple, Optional, Sequence, Tuple
 
 from diffdrive_kinematics.core.kinematics import is_sane
 from diffdrive_kinematics.core.odometry import (
-    Assembly, JointReading, mean_of, PositionTrack, SideTrack, Sources, Spoken, WheelPair)
+    Assembly, JointMessage, JointReading, mean_of, PositionTrack, SideTrack, Sources, WheelPair)
 from diffdrive_kinematics.ros.messages.wheel_joints import WheelJoints
 
 __all__ = ['Gathered', 'Gathering']
@@ -77,39 +77,39 @@ class Gathering:
         return len(self.sources.known) == 1 and not any(
             map(any, (shift.values() for shift in self._shifts.values())))
 
-    def caught_up(self, spoken: Spoken) -> None:
+    def caught_up(self, received: JointMessage) -> None:
         """
         Take note of messages of the only publisher, of which this was the last one.
 
         Their positions were taken as they are, so those to come are as well: nothing is added.
         """
-        self.sources = self.sources.caught_up(spoken)
+        self.sources = self.sources.caught_up(received)
         shift, = self._shifts.values()
-        for joint, position in zip(spoken.joints, spoken.positions):
+        for joint, position in zip(received.joints, received.positions):
             if is_sane(position):
                 shift.setdefault(joint, 0.0)
                 self._follow(joint, position)
 
-    def after(self, spoken: Spoken, stamp_ns: int) -> Optional[Gathered]:
+    def after(self, received: JointMessage, stamp_ns: int) -> Optional[Gathered]:
         """Return the motion that is known after a message; None: nothing new."""
-        self.sources, believed = self.sources.heard(spoken)
+        self.sources, believed = self.sources.update(received)
         if not believed:
             return None
-        positions = self._positions(spoken)
-        if spoken.joints == self._all:
-            self.waiting_since_ns, source = None, spoken.tag
+        positions = self._positions(received)
+        if received.joints == self._all:
+            self.waiting_since_ns, source = None, received.tag
             self._assembly = Assembly.of(len(self._all))
-            rates: Sequence[float] = spoken.rates
+            rates: Sequence[float] = received.rates
         else:
-            self._note_delay(spoken.joints, spoken.now_ns - stamp_ns)
-            nothing = (math.nan,) * len(spoken.joints)
+            self._note_delay(received.joints, received.now_ns - stamp_ns)
+            nothing = (math.nan,) * len(received.joints)
             self._assembly, sample = self._assembly.after({
                 joint: JointReading(stamp_ns, position, rate) for joint, position, rate in zip(
-                    spoken.joints, positions or nothing, spoken.rates or nothing)})
+                    received.joints, positions or nothing, received.rates or nothing)})
             if sample is None:
                 self.incomplete += 1
                 if self.waiting_since_ns is None:
-                    self.waiting_since_ns = spoken.now_ns
+                    self.waiting_since_ns = received.now_ns
                 return None
             self.waiting_since_ns = None
             source = '+'.join(dict.fromkeys(self._tags[joint] for joint in self._all))
@@ -119,29 +119,29 @@ class Gathering:
                 for values in (sample.positions, sample.rates))
         return Gathered(stamp_ns, *self._motion(stamp_ns, positions, rates), source)
 
-    def _positions(self, spoken: Spoken) -> Tuple[float, ...]:
+    def _positions(self, received: JointMessage) -> Tuple[float, ...]:
         """
         Return positions without wraps that go on from those of the publisher before.
 
         Where that one is gone, they go on from the first ones heard, believed or not; which way
         they have gone since is not known where they wrap.
         """
-        owner = next(each for each in self.sources.owners if each.joints == spoken.joints)
-        goes_on = all(self._tags.get(joint) == spoken.tag for joint in spoken.joints)
+        owner = next(each for each in self.sources.owners if each.joints == received.joints)
+        goes_on = all(self._tags.get(joint) == received.tag for joint in received.joints)
         if not goes_on:
-            self._begin_anew(spoken.joints)
-            self._tags.update(dict.fromkeys(spoken.joints, spoken.tag))
+            self._begin_anew(received.joints)
+            self._tags.update(dict.fromkeys(received.joints, received.tag))
         shift = self._shifts.setdefault(owner[:4], {})
         if len(self._shifts) > len(self.sources.known):
             kept = {each.first[:4] for each in self.sources.known}
             self._shifts = {key: value for key, value in self._shifts.items() if key in kept}
-        heard = spoken if self._wraps or self.sources.contested(spoken.now_ns) else owner
+        heard = received if self._wraps or self.sources.contested(received.now_ns) else owner
         return tuple(
             self._follow(joint, position + shift.setdefault(
                 joint, self._shift(joint, first if is_sane(first) else position)))
             if is_sane(position) else position
             for joint, position, first in zip(
-                spoken.joints, spoken.positions, heard.positions or spoken.positions))
+                received.joints, received.positions, heard.positions or received.positions))
 
     def _shift(self, joint: int, position: float) -> float:
         """Return what makes the first position [rad] of a publisher the last one before it."""

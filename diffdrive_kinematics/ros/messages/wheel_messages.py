@@ -17,7 +17,7 @@
 from typing import Callable, Optional, Sequence, Tuple, Union
 
 from diffdrive_kinematics.core.kinematics import NANOSECONDS
-from diffdrive_kinematics.core.odometry import Encoder, Spoken, WheelPair, WheelSample
+from diffdrive_kinematics.core.odometry import Encoder, JointMessage, WheelPair, WheelSample
 from diffdrive_kinematics.ros.messages.codec import JointStateCodec, WheelCommandCodec
 from diffdrive_kinematics.ros.messages.messages import check_stamp
 from diffdrive_kinematics.ros.messages.plain import JointValues
@@ -99,7 +99,7 @@ class WheelReader:
                 self._next = number + 1
         else:
             gathered = self._gathered(
-                Spoken(source, self._ours, number, arrived_ns, positions or (), rates or ()),
+                JointMessage(source, self._ours, number, arrived_ns, positions or (), rates or ()),
                 stamp_ns)
             if gathered is None:
                 return None
@@ -123,20 +123,20 @@ class WheelReader:
             self.partial = names
         self._be_careful()
 
-    def _gathered(self, spoken: Spoken, stamp_ns: int) -> Optional[Gathered]:
+    def _gathered(self, received: JointMessage, stamp_ns: int) -> Optional[Gathered]:
         """Return what is known after a message that may not be the usual one."""
         self._be_careful()
-        gathered = self.gathering.after(spoken, stamp_ns)
-        if gathered and self._plain and len(spoken.joints) == 2 and self.gathering.usual():
-            self._next, self._tag = spoken.number and spoken.number + 1, spoken.tag
-            self._last = spoken.positions, spoken.rates, spoken.now_ns
+        gathered = self.gathering.after(received, stamp_ns)
+        if gathered and self._plain and len(received.joints) == 2 and self.gathering.usual():
+            self._next, self._tag = received.number and received.number + 1, received.tag
+            self._last = received.positions, received.rates, received.now_ns
         return gathered
 
     def _be_careful(self) -> None:
         """Take no message for the usual one, and catch up on those that were."""
         if self._next != NOBODY:
             positions, rates, now_ns = self._last
-            self.gathering.caught_up(Spoken(
+            self.gathering.caught_up(JointMessage(
                 self._tag, (0, 1), max(0, self._next - 1), now_ns, positions, rates))
             self._next = NOBODY
 

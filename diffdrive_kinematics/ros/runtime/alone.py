@@ -37,8 +37,8 @@ def keep_to_this_machine(environment: MutableMapping[str, str]) -> None:
     """Let nobody else hear this process, where nothing is set about it; say so in one line."""
     if not any(environment.get(name) for name in REACH):
         environment[RANGE] = 'LOCALHOST'
-        complain(f'diffdrive_kinematics: the demo is heard on this machine only; {RANGE}=SUBNET '
-                 'lets others hear it')
+        complain('diffdrive_kinematics: the demo can be received on this machine only; '
+                 f'{RANGE}=SUBNET lets other machines receive it')
 
 
 def check_alone(node: Node, own: Mapping[str, Sequence[str]], *, patience_s: float = 0.0) -> None:

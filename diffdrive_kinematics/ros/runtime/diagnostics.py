@@ -102,7 +102,7 @@ def stamp_values(counts: Mapping[str, int]) -> Dict[str, Any]:
 
 def unheard(heard: MessageStatistics, topic: str, level: bytes = WARN) -> List[Problem]:
     """Return that nothing was heard yet, where it is so."""
-    return [] if heard.count else [Problem(level, f"nothing heard on '{topic}' yet")]
+    return [] if heard.count else [Problem(level, f"no messages on '{topic}' yet")]
 
 
 def quiet(
@@ -112,7 +112,7 @@ def quiet(
     age = heard.age(now_ns)
     if age is None or not 0.0 < timeout < age:
         return []
-    words = f"nothing heard on '{topic}' for {age:.1f} s"
+    words = f"no messages on '{topic}' for {age:.1f} s"
     return [Problem(OK, f'at rest, {words}') if at_rest else Problem(WARN, words)]
 
 

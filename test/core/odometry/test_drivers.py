@@ -192,7 +192,7 @@ def test_velocities_that_contradict_the_positions_move_nothing_and_are_told(wron
     assert backward(readings) <= 1e-9
     assert all(r.rates[0] == pytest.approx(RATE) for _, r in settled(readings))
     told = odometry.measured.check.disagreement
-    assert told.side == 'both' and told.told / told.rolled == pytest.approx(factor, abs=1e-6)
+    assert told.side == 'both' and told.reported / told.rolled == pytest.approx(factor, abs=1e-6)
     late = [(time, r) for time, r in settled(readings, 2.0)]
     assert max(abs(r.angles[0] - RATE * seconds_of(time)) for time, r in late) <= 1e-6
 
@@ -202,7 +202,7 @@ def test_the_configured_maximum_that_is_told_while_standing_moves_nothing():
     readings, odometry = driven(base(), driver.messages(5.0))
     assert all(r.angles == r.rates == ZERO for _, r in readings)
     told = odometry.measured.check.disagreement
-    assert told.rolled == 0.0 < told.told
+    assert told.rolled == 0.0 < told.reported
 
 
 def test_velocities_that_agree_again_are_used_again():

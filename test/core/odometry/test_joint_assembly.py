@@ -53,8 +53,8 @@ def test_joints_that_turn_steadily_are_where_they_were_at_the_stamp(steps):
     for sample in samples:
         for position, rate in zip(sample.positions, rates):
             assert position / rate == pytest.approx(sample.stamp_ns / MS, abs=1e-6)
-    spoken = {joint: max(at for who, at, _ in messages if who == joint) for joint in range(3)}
-    assert not samples or stamps[-1] <= min(spoken.values()) * MS
+    received = {joint: max(at for who, at, _ in messages if who == joint) for joint in range(3)}
+    assert not samples or stamps[-1] <= min(received.values()) * MS
 
 
 def test_of_joints_that_take_turns_none_is_ahead_of_the_others():

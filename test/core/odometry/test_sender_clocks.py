@@ -30,14 +30,14 @@ def sent(clocks, offset, begin, end, period=50 * MS, latency=MS):
     """Return the clocks and ages after messages that are sent steadily and come at once."""
     ages = []
     for time in range(begin, end, period):
-        clocks, age = clocks.heard(offset + latency, time)
+        clocks, age = clocks.update(offset + latency, time)
         ages.append(age)
     return clocks, ages
 
 
 @given(st.integers(0, 10**6 * S))
 def test_a_message_of_a_sender_on_the_own_clock_is_as_old_as_its_latency(latency):
-    assert CLOCKS.heard(latency, 0)[1] == latency
+    assert CLOCKS.update(latency, 0)[1] == latency
 
 
 @given(offsets)
@@ -54,14 +54,14 @@ def test_a_burst_of_a_queue_is_old_whatever_the_clock_of_its_sender(offset, coun
     arrival, stopped = 30 * S, 5 * S
     for number in range(count):
         latency = offset + stopped - number * gap
-        clocks, age = clocks.heard(latency, arrival + number * MS)
+        clocks, age = clocks.update(latency, arrival + number * MS)
         assert age == pytest.approx(stopped - number * gap, abs=TIMEOUT // 2 + 2 * MS)
 
 
 def test_a_burst_that_comes_first_is_old_where_its_sender_is_on_the_own_clock():
     clocks = CLOCKS
     for number in range(10):
-        clocks, age = clocks.heard(3 * S - number * 50 * MS, number)
+        clocks, age = clocks.update(3 * S - number * 50 * MS, number)
         assert age > TIMEOUT
 
 
@@ -70,7 +70,7 @@ def test_senders_whose_clocks_differ_are_alive_side_by_side(many):
     clocks = CLOCKS
     for time in range(0, 4 * S, 50 * MS):
         for offset in many:
-            clocks, age = clocks.heard(offset + MS, time)
+            clocks, age = clocks.update(offset + MS, time)
             assert age <= TIMEOUT or time < 3 * S
 
 
@@ -78,7 +78,7 @@ def test_senders_whose_clocks_differ_are_alive_side_by_side(many):
 def test_clocks_that_drift_apart_for_a_day_cost_no_message(parts_per_million):
     clocks, worst = CLOCKS, 0
     for time in range(0, 86_400 * S, 200 * MS):
-        clocks, age = clocks.heard(MS + time * parts_per_million // 10**6, time)
+        clocks, age = clocks.update(MS + time * parts_per_million // 10**6, time)
         worst = max(worst, age)
     assert worst <= TIMEOUT
 
@@ -95,7 +95,7 @@ def test_a_step_of_the_own_clock_makes_no_message_old_whether_senders_step_with_
 def test_old_messages_that_come_rarely_teach_no_clock():
     clocks = CLOCKS
     for time in range(0, 100 * S, 10 * S):
-        clocks, age = clocks.heard(3 * S, time)
+        clocks, age = clocks.update(3 * S, time)
         assert age == 3 * S
 
 
@@ -104,7 +104,7 @@ def test_whatever_comes_a_few_clocks_are_kept_and_one_of_them_is_known(messages)
     clocks, time = CLOCKS, 0
     for latency, gap in messages:
         time += gap
-        clocks, age = clocks.heard(latency, time)
+        clocks, age = clocks.update(latency, time)
         for each in clocks, clocks.clock_stepped(latency):
             assert any(clock.known for clock in each.clocks) and len(each.clocks) <= 8
         assert age >= 0

@@ -16,7 +16,7 @@
 
 import random
 
-from diffdrive_kinematics.core.odometry.sources import MOST_SOURCES, Sources, Spoken
+from diffdrive_kinematics.core.odometry.sources import JointMessage, MOST_SOURCES, Sources
 import pytest
 
 BOTH = (0, 1)
@@ -26,14 +26,15 @@ MS = 10**6
 def told(messages, sources=Sources()):
     """Return the sources after messages, and who was believed, message by message."""
     believed = ''
-    for who, spoken in messages:
-        sources, taken = sources.heard(spoken)
+    for who, received in messages:
+        sources, taken = sources.update(received)
         believed += who if taken else '.'
     return sources, believed
 
 
 def driver(n, time_ms, position, number=None, joints=BOTH, tag='', rates=()):
-    return n, Spoken(tag, joints, number or 0, time_ms * MS, (position,) * len(joints), rates)
+    return n, JointMessage(
+        tag, joints, number or 0, time_ms * MS, (position,) * len(joints), rates)
 
 
 def in_turn(driver_first, zeros_first, seconds=4, moves_after=0.0):
@@ -195,8 +196,8 @@ def test_zeros_that_begin_with_the_driver_and_with_its_number_are_told_by_what_t
     """The driver moves at once: its second message is as far from both."""
     messages = in_turn(1, 1, seconds=2)
     messages[1:1] = [driver('z', 9, 0.0, 1)]
-    messages = [(who, spoken._replace(number=spoken.number + (who == 'z' and at > 1)))
-                for at, (who, spoken) in enumerate(messages)]
+    messages = [(who, received._replace(number=received.number + (who == 'z' and at > 1)))
+                for at, (who, received) in enumerate(messages)]
     sources, believed = told(messages)
     assert believed.replace('.', '') == 100 * 'D'
     assert [each.moved for each in sources.known] == [True, False]
@@ -222,7 +223,7 @@ def test_what_a_queue_loses_while_the_listener_stalls_makes_no_other_publisher(h
         if 1.0 <= step / hertz < 1.0 + stall:
             at_ns = int(1e9 * (1.0 + stall))
         if step not in lost:
-            messages.append(('D', Spoken('', BOTH, 1 + step, at_ns, (0.005 * step,) * 2)))
+            messages.append(('D', JointMessage('', BOTH, 1 + step, at_ns, (0.005 * step,) * 2)))
     sources, believed = told(messages)
     assert '.' not in believed and len(sources.known) == 1
 

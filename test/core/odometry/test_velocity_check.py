@@ -72,7 +72,7 @@ def test_the_velocities_of_a_real_robot_in_other_units_are_not(run, factor):
         check = check.followed(tuple(factor * rate for rate in rates), increments, interval)
         told += [check.disagreement] if check.disagreement else []
         believed += check.believed
-    assert told[-1].told / told[-1].rolled == pytest.approx(factor, rel=0.15, abs=1e-9)
+    assert told[-1].reported / told[-1].rolled == pytest.approx(factor, rel=0.15, abs=1e-9)
     assert not believed or 0.4 < factor < 1.6
 
 
@@ -97,7 +97,7 @@ def test_a_factor_is_found_within_seconds_and_told_as_it_is(rate, factor, period
     driver = Driver(lambda at: rate * at, period_ms * MS, velocity=lambda rate: factor * rate)
     checks = checked(driver.messages(5.0))
     told = checks[-1].disagreement
-    assert told.told / told.rolled == pytest.approx(factor, rel=1e-6, abs=1e-6)
+    assert told.reported / told.rolled == pytest.approx(factor, rel=1e-6, abs=1e-6)
     assert not any(check.believed for check in checks)
 
 
@@ -126,4 +126,4 @@ def test_velocities_that_are_absent_now_and_then_are_judged_by_the_others():
     for number in range(400):
         check = check.followed(
             None if number % 7 == 0 else (5.0, 5.0), (0.1, 0.1), 0.02)
-    assert check.believed and math.isfinite(sum(check.told))
+    assert check.believed and math.isfinite(sum(check.reported))

@@ -17,7 +17,7 @@
 import math
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
-from diffdrive_kinematics.core.odometry import Contradiction
+from diffdrive_kinematics.core.odometry import Mismatch
 from diffdrive_kinematics.nodes.simulated_base import SimulatedBase
 from diffdrive_kinematics.ros.inputs.driver_watch import clock_text, velocity_text
 from nav_msgs.msg import Odometry
@@ -163,6 +163,6 @@ def test_what_is_said_of_another_clock_says_how_far_and_what_to_do(offset_s, wor
     (0.0, 10.0, 'is it never filled in?'), (2000.0, 10.0, 'in ticks, or another unit?'),
     (20.0, 0.0, 'is it a set point, or what is configured?')])
 def test_what_is_said_of_wrong_velocities_names_the_likely_reason(told, rolled, words):
-    text = velocity_text(Contradiction('left', told, rolled), 0.033, '/joint_states')
+    text = velocity_text(Mismatch('left', told, rolled), 0.033, '/joint_states')
     assert words in text
     assert "velocity of the left wheel on '/joint_states'" in text

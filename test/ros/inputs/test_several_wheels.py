@@ -197,7 +197,7 @@ def test_a_joint_that_falls_silent_is_reported_by_name(graph):
     def going_on():
         wheels.now_ns += STEP_NS
         wheels.say(PAIR[:1], [0.0])
-        return "nothing heard of ['right_wheel_joint'] on '/wheel_rates'" in wheels.base.output
+        return "no messages of ['right_wheel_joint'] on '/wheel_rates'" in wheels.base.output
 
     graph.wait_for(going_on, 'a report')
-    wheels.wait_for_report("nothing heard of ['right_wheel_joint']")
+    wheels.wait_for_report("no messages of ['right_wheel_joint']")

@@ -16,7 +16,7 @@
 
 import math
 
-from diffdrive_kinematics.core.odometry import Spoken
+from diffdrive_kinematics.core.odometry import JointMessage
 from diffdrive_kinematics.ros.messages.wheel_gathering import Gathering
 from diffdrive_kinematics.ros.messages.wheel_joints import WheelJoints
 from diffdrive_kinematics.ros.messages.wheel_messages import WheelReader, WheelWriter
@@ -32,7 +32,7 @@ def test_wheels_whose_rates_are_missing_for_a_while_do_not_disagree():
     gathering = Gathering(FOUR, 0.0)
     for step in range(400):
         rates = (math.nan if step % 20 < 10 else 1.0, 1.0, 1.0, 1.0)
-        gathering.after(Spoken('', (0, 1, 2, 3), 1 + step, 20 * MS * step, rates=rates),
+        gathering.after(JointMessage('', (0, 1, 2, 3), 1 + step, 20 * MS * step, rates=rates),
                         20 * MS * step)
         assert not gathering.disagreements()
 
@@ -45,20 +45,21 @@ def test_what_a_restarted_driver_tells_before_it_is_believed_is_not_lost(down):
         if 100 <= step < 100 + down:
             continue
         since = step if step < 100 else step - 100 - down
-        spoken = Spoken('', (0, 1), 1 + since, 20 * MS * step, (0.1 * since,) * 2)
-        gathered.append(gathering.after(spoken, spoken.now_ns))
+        received = JointMessage('', (0, 1), 1 + since, 20 * MS * step, (0.1 * since,) * 2)
+        gathered.append(gathering.after(received, received.now_ns))
     way = gathered[-1].positions[0] - gathered[0].positions[0]
     assert way == pytest.approx(0.1 * (399 - 1 - down), abs=1e-9)
-    assert not gathering.sources.contested(spoken.now_ns)
+    assert not gathering.sources.contested(received.now_ns)
 
 
 def test_what_the_publisher_told_that_takes_the_place_of_a_rival_is_not_counted_twice():
     gathering, gathered = Gathering(TWO, 0.0), []
     for step in range(400):
-        told = [Spoken('', (0, 1), 5001 + step, 20 * MS * step + 9 * MS, (0.1 * step + 3.0,) * 2)]
+        told = [JointMessage(
+            '', (0, 1), 5001 + step, 20 * MS * step + 9 * MS, (0.1 * step + 3.0,) * 2)]
         if step < 100:
-            told.insert(0, Spoken('', (0, 1), 1 + step, 20 * MS * step, (0.1 * step,) * 2))
-        gathered += filter(None, [gathering.after(spoken, spoken.now_ns) for spoken in told])
+            told.insert(0, JointMessage('', (0, 1), 1 + step, 20 * MS * step, (0.1 * step,) * 2))
+        gathered += filter(None, [gathering.after(received, received.now_ns) for received in told])
     assert gathered[99].positions == pytest.approx((9.9, 9.9))
     assert 9.9 <= gathered[100].positions[0] < 10.5
 
@@ -89,8 +90,9 @@ def test_by_how_much_stamps_of_joints_are_apart_is_told_whatever_the_period(apar
     assert gathering.delays() is None
     for step in range(5):
         at_ns = 1000 * MS * step
-        gathering.after(Spoken('', (0,), 1 + step, at_ns, (0.0,)), at_ns - 5 * MS)
+        gathering.after(JointMessage('', (0,), 1 + step, at_ns, (0.0,)), at_ns - 5 * MS)
         gathering.after(
-            Spoken('', (1,), 1 + step, at_ns + 500 * MS, (0.0,)), at_ns + (495 - apart_ms) * MS)
+            JointMessage('', (1,), 1 + step, at_ns + 500 * MS, (0.0,)),
+            at_ns + (495 - apart_ms) * MS)
     assert gathering.delays() == {'l': 5 * MS, 'r': (5 + apart_ms) * MS}
     assert gathering.delays() is None

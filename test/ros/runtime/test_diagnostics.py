@@ -75,7 +75,7 @@ def test_the_controller_tells_of_commands_timeouts_cuts_and_refusals(graph):
         **KHEPERA, 'diagnostics_rate': 5.0, 'max_wheel_rate': 5.0,
         'linear.x.max_velocity': 0.2})
     statuses = collect(graph, f'/{CONTROLLER}')
-    wait_for_level(graph, statuses, OK, "nothing heard on '/cmd_vel' yet")
+    wait_for_level(graph, statuses, OK, "no messages on '/cmd_vel' yet")
     commands = graph.publisher(Twist, 'cmd_vel')
     sent = 0
 
@@ -94,7 +94,7 @@ def test_the_controller_tells_of_commands_timeouts_cuts_and_refusals(graph):
     assert float(values['achieved publish rate [Hz]']) > 0.8 * 50.0
     message, values = wait_for_level(graph, statuses, WARN, 'timeouts: 1 more')[1:]
     assert values['timeouts'] == '1'
-    wait_for_level(graph, statuses, OK, "at rest, nothing heard on '/cmd_vel' for")
+    wait_for_level(graph, statuses, OK, "at rest, no messages on '/cmd_vel' for")
     commands.publish(twist(math.nan, 0.0))
     values = wait_for_level(graph, statuses, ERROR, 'refused: 1 more, 1 in all')[2]
     assert values['refused'] == '1'
@@ -105,7 +105,7 @@ def test_the_base_tells_of_wheel_motion_its_stamps_and_its_rate(graph):
         **KHEPERA, 'enable_odom_tf': False, 'command_timeout': 0.0, **FAST})
     statuses = collect(graph, '/simulated_base')
     odometry = graph.collect(Odometry, 'odom')
-    wait_for_level(graph, statuses, WARN, "nothing heard on '/wheel_rates' yet")
+    wait_for_level(graph, statuses, WARN, "no messages on '/wheel_rates' yet")
     wheels = graph.publisher(JointState, 'wheel_rates')
     late = graph.now_ns() - 700_000_000
     for offset, angle in ((0, 0.0), (100_000_000, 1.0), (50_000_000, 0.5), (-1, 0.0)):
@@ -126,7 +126,7 @@ def test_the_base_tells_of_encoders_that_began_again_elsewhere(graph):
         **KHEPERA, 'enable_odom_tf': False, 'max_encoder_rate': 50.0, **FAST})
     statuses = collect(graph, '/simulated_base')
     wheels = graph.publisher(JointState, 'wheel_rates')
-    wait_for_level(graph, statuses, WARN, 'nothing heard')
+    wait_for_level(graph, statuses, WARN, 'no messages')
     for number, angle in enumerate((0.0, 700.0)):
         message = JointState(name=JOINTS, position=[angle, angle])
         set_stamp(message, graph.now_ns() + number)
@@ -223,7 +223,7 @@ def test_wheels_that_fell_silent_are_well_at_rest_and_a_warning_where_they_turne
         held.advance_to(later)
         (trouble,) = held.node.status(RateSample(later)).problems
         assert trouble.level == level
-        assert "nothing heard on '/wheel_rates' for 3600.0 s" in trouble.message
+        assert "no messages on '/wheel_rates' for 3600.0 s" in trouble.message
         assert ('at rest' in trouble.message) == (level == OK)
 
 
@@ -235,7 +235,7 @@ def test_a_parked_robot_is_well_and_nothing_is_ever_stale(graph):
     commands = graph.publisher(Twist, 'cmd_vel')
     for v in (0.1, 0.0):
         commands.publish(twist(v, 0.0))
-    wait_for_level(graph, statuses[0], OK, "at rest, nothing heard on '/cmd_vel' for 1.")
+    wait_for_level(graph, statuses[0], OK, "at rest, no messages on '/cmd_vel' for 1.")
     assert graph.wait_for(
         lambda: statuses[1] and statuses[1][-1][:2] == (OK, 'ok'), 'a base that is well')
     parked = len(statuses[0]), len(statuses[1])
