@@ -19,6 +19,7 @@ Signals are answered from the first moment on, before rclpy and numpy are import
 longer than an impatient Ctrl-C.
 """
 
+from functools import partial
 import gc
 from importlib import import_module
 import signal
@@ -42,66 +43,16 @@ def _start(name: str) -> None:
     module.main()
 
 
-def calibrate() -> None:
-    """Run ``calibrate``."""
-    _start('calibrate')
-
-
-def command_sequence() -> None:
-    """Run ``command_sequence``."""
-    _start('command_sequence')
-
-
-def diff_drive_controller() -> None:
-    """Run ``diff_drive_controller``."""
-    _start('diff_drive_controller')
-
-
-def diffdrive_sim() -> None:
-    """Run ``diffdrive_sim``."""
-    _start('diffdrive_sim')
-
-
-def forward_projection() -> None:
-    """Run ``forward_projection``."""
-    _start('forward_projection')
-
-
-def goal_steering() -> None:
-    """Run ``goal_steering``."""
-    _start('goal_steering')
-
-
-def plot_paths() -> None:
-    """Run ``plot_paths``."""
-    _start('plot_paths')
-
-
-def robot_description() -> None:
-    """Run ``robot_description``."""
-    _start('robot_description')
-
-
-def simulated_base() -> None:
-    """Run ``simulated_base``."""
-    _start('simulated_base')
-
-
-def teleop() -> None:
-    """Run ``teleop``."""
-    _start('teleop')
-
-
-def web_view() -> None:
-    """Run ``web_view``."""
-    _start('web_view')
-
-
-def wheel_noise() -> None:
-    """Run ``wheel_noise``."""
-    _start('wheel_noise')
-
-
-def wheel_odometry() -> None:
-    """Run ``wheel_odometry``."""
-    _start('wheel_odometry')
+calibrate = partial(_start, 'calibrate')
+command_sequence = partial(_start, 'command_sequence')
+diff_drive_controller = partial(_start, 'diff_drive_controller')
+diffdrive_sim = partial(_start, 'diffdrive_sim')
+forward_projection = partial(_start, 'forward_projection')
+goal_steering = partial(_start, 'goal_steering')
+plot_paths = partial(_start, 'plot_paths')
+robot_description = partial(_start, 'robot_description')
+simulated_base = partial(_start, 'simulated_base')
+teleop = partial(_start, 'teleop')
+web_view = partial(_start, 'web_view')
+wheel_noise = partial(_start, 'wheel_noise')
+wheel_odometry = partial(_start, 'wheel_odometry')
