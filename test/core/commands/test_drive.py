@@ -21,10 +21,9 @@ import math
 from diffdrive_kinematics.core.commands import AxisLimits, Drive, DriveSettings, Twist
 from diffdrive_kinematics.core.kinematics import (
     twist_from_wheel_rates, wheel_rates_from_twist, WheelGeometry)
-from hypothesis import given, settings, strategies as st
+from hypothesis import given, strategies as st
 import pytest
 
-LAW = settings(deadline=None, derandomize=True)
 MS = 1_000_000
 S = 1000 * MS
 PERIOD = 20 * MS  # of an update_rate of 50
@@ -58,7 +57,6 @@ def driven(settings, course, end=None, polls=()):
     return drive, changes
 
 
-@LAW
 @given(courses, st.integers(0, 5 * S))
 def test_the_angles_are_the_closed_form_of_the_commands(course, later):
     end = course[-1][0] + later
@@ -73,7 +71,6 @@ def test_the_angles_are_the_closed_form_of_the_commands(course, later):
     assert told.twist == course[-1][1]
 
 
-@LAW
 @given(SETTINGS, courses)
 def test_the_angles_told_are_the_integral_of_the_rates_told(settings, course):
     drive, changes = driven(settings, course, end=course[-1][0] + 5 * S)
@@ -88,7 +85,6 @@ def test_the_angles_told_are_the_integral_of_the_rates_told(settings, course):
             before = change
 
 
-@LAW
 @given(SETTINGS, courses, st.lists(st.integers(0, 8 * S), max_size=12))
 def test_how_often_and_when_somebody_looks_changes_nothing(settings, course, polls):
     end = course[-1][0] + 8 * S
@@ -181,7 +177,6 @@ def test_a_deadline_within_a_ramp_moves_the_target_of_its_next_step():
         (1, 0.25), (1 + S // 4, 0.5), (1 + S // 2, 0.0)]
 
 
-@LAW
 @given(courses)
 def test_a_ramp_keeps_the_limits_of_acceleration_and_velocity(course):
     _, changes = driven(RAMPS, course, end=course[-1][0] + 9 * S)
@@ -194,7 +189,6 @@ def test_a_ramp_keeps_the_limits_of_acceleration_and_velocity(course):
         assert abs(after.twist.v) <= 2.0
 
 
-@LAW
 @given(twists)
 def test_a_ramp_arrives_and_settles(target):
     settings = replace(RAMPS, cmd_vel_timeout=0.0)
@@ -204,7 +198,6 @@ def test_a_ramp_arrives_and_settles(target):
     assert drive.advanced(10**9 * S) == (drive, [])
 
 
-@LAW
 @given(st.sampled_from([BOUNDED, EVERYTHING]), courses)
 def test_no_wheel_exceeds_the_bound_and_the_twist_is_that_of_the_rates(settings, course):
     _, changes = driven(settings, course, end=course[-1][0] + S)
@@ -214,7 +207,6 @@ def test_no_wheel_exceeds_the_bound_and_the_twist_is_that_of_the_rates(settings,
             change.twist, abs=1e-14)
 
 
-@LAW
 @given(twists)
 def test_a_saturated_command_keeps_its_curvature(target):
     drive, _ = driven(BOUNDED, [(0, target)])
@@ -327,7 +319,6 @@ def test_settings_written_during_a_ramp_do_not_make_it_steeper():
     assert drive.twist.v == 0.25
 
 
-@LAW
 @given(SETTINGS, courses, st.integers(-1000 * S, 1000 * S), twists, st.integers(1, S))
 def test_after_the_clock_was_stepped_everything_goes_on_as_before(
         settings, course, step, twist, later):

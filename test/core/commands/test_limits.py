@@ -17,10 +17,9 @@
 import math
 
 from diffdrive_kinematics.core.commands import AxisLimits, largest_change
-from hypothesis import given, settings, strategies as st
+from hypothesis import given, strategies as st
 import pytest
 
-LAW = settings(deadline=None, derandomize=True)
 DT = 0.5
 NAN = math.nan
 # Four different rates: up 2, reverse up 1, down 4, reverse down 3; in DT that is 1, 0.5, 2, 1.5.
@@ -162,20 +161,17 @@ def mirrored(limits):
         max_acceleration_reverse=-up, max_deceleration_reverse=down)
 
 
-@LAW
 @given(velocities, velocities, velocities, steps)
 def test_without_limits_every_target_is_reached_at_once(target, current, before, dt):
     assert AxisLimits().limit(target, current=current, before=before, dt=dt) == target
 
 
-@LAW
 @given(accelerations, velocities, velocities, steps)
 def test_acceleration_never_leads_past_the_target_or_away_from_it(limits, target, current, dt):
     velocity = limits.limit_acceleration(target, current=current, dt=dt)
     assert min(current, target) <= velocity <= max(current, target)
 
 
-@LAW
 @given(accelerations, velocities, velocities, steps)
 def test_two_half_steps_of_acceleration_are_one_step_also_through_zero(
         limits, target, current, dt):
@@ -185,14 +181,12 @@ def test_two_half_steps_of_acceleration_are_one_step_also_through_zero(
         whole, abs=1e-12)
 
 
-@LAW
 @given(accelerations, velocities, velocities, steps)
 def test_the_mirrored_robot_does_the_mirrored_thing(limits, target, current, dt):
     assert mirrored(limits).limit_acceleration(-target, current=-current, dt=dt) == (
         -limits.limit_acceleration(target, current=current, dt=dt))
 
 
-@LAW
 @given(rates, velocities, velocities, st.floats(-2.0, 2.0), steps)
 def test_jerk_never_lets_the_step_grow_by_more_than_its_limit(jerk, target, current, step, dt):
     limits = AxisLimits(max_jerk=jerk)
@@ -216,7 +210,6 @@ def can_end(change, distance, fall, braking=math.inf, rate=0.0, dt=1.0):
         change, distance = change - fall, distance - change
 
 
-@LAW
 @given(st.floats(0.0, 10.0), st.floats(0.01, 3.0), st.floats(0.0, 2.0),
        st.one_of(st.just(math.inf), st.floats(2.1, 9.0)), st.floats(0.1, 1.0))
 def test_the_largest_change_can_end_in_time_and_a_larger_one_cannot(
@@ -228,7 +221,6 @@ def test_the_largest_change_can_end_in_time_and_a_larger_one_cannot(
         assert not can_end(change + 1e-9, distance, fall, braking, rate, dt)
 
 
-@LAW
 @given(st.floats(0.2, 5.0), st.floats(0.2, 5.0), st.floats(0.2, 5.0), st.floats(0.2, 5.0),
        st.floats(-3.0, 3.0), st.floats(-3.0, 3.0))
 def test_a_ramp_keeps_to_every_limit_from_a_rest_to_the_end(
@@ -250,7 +242,6 @@ def test_a_ramp_keeps_to_every_limit_from_a_rest_to_the_end(
     pytest.fail(f'the ramp ended at {current}, not at {target}')
 
 
-@LAW
 @given(st.floats(0.2, 5.0), st.floats(0.2, 5.0), st.floats(-3.0, 3.0), st.floats(-3.0, 3.0))
 def test_a_ramp_arrives_exactly_and_neither_overshoots_nor_swings(
         acceleration, jerk, start, target):

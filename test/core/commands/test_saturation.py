@@ -18,15 +18,13 @@ import math
 
 from diffdrive_kinematics.core.commands import saturate
 from diffdrive_kinematics.core.kinematics import turning_radius, WheelGeometry
-from hypothesis import given, settings, strategies as st
+from hypothesis import given, strategies as st
 import pytest
 
-LAW = settings(deadline=None, derandomize=True)
 rates = st.floats(-1e6, 1e6).filter(lambda rate: rate == 0.0 or abs(rate) > 1e-6)
 bounds = st.floats(1e-3, 1e6)
 
 
-@LAW
 @given(rates, rates, bounds)
 def test_no_wheel_ever_exceeds_the_bound(left, right, bound):
     result = saturate(left, right, bound)
@@ -35,7 +33,6 @@ def test_no_wheel_ever_exceeds_the_bound(left, right, bound):
     assert 0.0 <= result.factor <= 1.0
 
 
-@LAW
 @given(rates, rates, bounds)
 def test_the_ratio_and_the_signs_of_the_rates_are_kept(left, right, bound):
     result = saturate(left, right, bound)
@@ -45,7 +42,6 @@ def test_the_ratio_and_the_signs_of_the_rates_are_kept(left, right, bound):
         math.copysign(1.0, left), math.copysign(1.0, right))
 
 
-@LAW
 @given(rates, rates, bounds)
 def test_the_faster_wheel_is_at_the_bound_where_the_bound_cuts(left, right, bound):
     result = saturate(left, right, bound)

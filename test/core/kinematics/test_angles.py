@@ -18,11 +18,10 @@ from fractions import Fraction
 import math
 
 from diffdrive_kinematics.core.kinematics import wrap_angle
-from hypothesis import given, settings, strategies as st
+from hypothesis import given, strategies as st
 import numpy as np
 import pytest
 
-LAW = settings(deadline=None, derandomize=True)
 angles = st.floats(-1e9, 1e9)
 
 
@@ -35,7 +34,6 @@ def test_the_range_is_open_at_minus_pi_and_closed_at_pi(angle, wrapped):
     assert wrap_angle(np.array([angle])) == np.array([wrapped])
 
 
-@LAW
 @given(angles)
 def test_a_wrapped_angle_is_in_range_and_whole_turns_away_without_rounding(angle):
     wrapped = wrap_angle(angle)
@@ -44,13 +42,11 @@ def test_a_wrapped_angle_is_in_range_and_whole_turns_away_without_rounding(angle
     assert turns.denominator == 1
 
 
-@LAW
 @given(st.floats(-math.pi, math.pi, exclude_min=True))
 def test_an_angle_in_range_keeps_every_bit(angle):
     assert wrap_angle(angle) == angle
 
 
-@LAW
 @given(st.lists(angles))
 def test_an_array_is_wrapped_like_its_elements(values):
     array = np.array(values, dtype=float)

@@ -18,10 +18,8 @@ from fractions import Fraction
 import math
 
 from diffdrive_kinematics.core.kinematics import RunningSum
-from hypothesis import given, settings, strategies as st
+from hypothesis import given, strategies as st
 import pytest
-
-LAW = settings(deadline=None, derandomize=True)
 
 
 def summed(terms, start=0.0):
@@ -31,14 +29,12 @@ def summed(terms, start=0.0):
     return total
 
 
-@LAW
 @given(st.floats(-1e12, 1e12), st.floats(-1e12, 1e12))
 def test_a_single_addition_loses_nothing(a, b):
     total = RunningSum(a).plus(b)
     assert Fraction(total.high) + Fraction(total.low) == Fraction(a) + Fraction(b)
 
 
-@LAW
 @given(st.lists(st.floats(-1e6, 1e6), max_size=60))
 def test_a_sum_is_right_to_the_last_digit_also_where_it_cancels(terms):
     magnitude = math.fsum(abs(term) for term in terms)

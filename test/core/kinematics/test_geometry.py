@@ -20,11 +20,10 @@ import math
 from diffdrive_kinematics.core.kinematics import (
     advance, inverse_jacobian, jacobian, Pose, pose_change_from_travel, travel_from_angles,
     turning_centre, turning_radius, twist_from_wheel_rates, wheel_rates_from_twist, WheelGeometry)
-from hypothesis import assume, given, settings, strategies as st
+from hypothesis import assume, given, strategies as st
 import numpy as np
 import pytest
 
-LAW = settings(deadline=None, derandomize=True)
 multipliers = st.floats(0.5, 2.0)
 geometries = st.builds(
     WheelGeometry, wheel_separation=st.floats(0.05, 5.0), wheel_radius=st.floats(0.01, 1.0),
@@ -38,21 +37,18 @@ poses = st.builds(
 SMALL = WheelGeometry(wheel_separation=0.5, wheel_radius=0.1)
 
 
-@LAW
 @given(geometries, rates, rates)
 def test_inverse_after_forward_kinematics_is_identity(geometry, left, right):
     twist = twist_from_wheel_rates(geometry, left, right)
     assert wheel_rates_from_twist(geometry, *twist) == pytest.approx((left, right), abs=1e-12)
 
 
-@LAW
 @given(geometries, st.floats(-10.0, 10.0), st.floats(-10.0, 10.0))
 def test_forward_after_inverse_kinematics_is_identity(geometry, v, w):
     wheels = wheel_rates_from_twist(geometry, v, w)
     assert twist_from_wheel_rates(geometry, *wheels) == pytest.approx((v, w), abs=1e-12)
 
 
-@LAW
 @given(geometries, rate_arrays)
 def test_arrays_convert_like_each_element_and_back(geometry, wheels):
     kept = wheels.copy()
@@ -68,7 +64,6 @@ def test_shapes_that_broadcast_are_converted_together():
     assert v.shape == w.shape == (4, 3)
 
 
-@LAW
 @given(geometries, rates, rates)
 def test_the_jacobian_times_the_rates_is_the_twist(geometry, left, right):
     np.testing.assert_allclose(
@@ -76,7 +71,6 @@ def test_the_jacobian_times_the_rates_is_the_twist(geometry, left, right):
         rtol=1e-12, atol=1e-11)
 
 
-@LAW
 @given(geometries, st.floats(-10.0, 10.0), st.floats(-10.0, 10.0))
 def test_the_inverse_jacobian_times_the_twist_is_the_rates(geometry, v, w):
     np.testing.assert_allclose(
@@ -84,7 +78,6 @@ def test_the_inverse_jacobian_times_the_twist_is_the_rates(geometry, v, w):
         rtol=1e-12, atol=1e-11)
 
 
-@LAW
 @given(geometries)
 def test_the_jacobians_are_inverse_to_each_other(geometry):
     np.testing.assert_allclose(
@@ -112,7 +105,6 @@ def test_each_multiplier_scales_its_own_length():
         (1.0, 0.3, 0.4))
 
 
-@LAW
 @given(geometries, rates, rates, st.floats(0.0, 10.0))
 def test_travel_over_a_time_is_the_twist_times_the_time(geometry, left, right, seconds):
     travel = travel_from_angles(geometry, left * seconds, right * seconds)
@@ -121,7 +113,6 @@ def test_travel_over_a_time_is_the_twist_times_the_time(geometry, left, right, s
         (v * seconds, w * seconds), rel=1e-12, abs=1e-10)
 
 
-@LAW
 @given(geometries, poses, st.floats(-2.0, 2.0), st.sampled_from([1.0, -1.0]))
 def test_one_wheel_stopped_turns_about_that_wheel(geometry, pose, travel, side):
     """``side`` is +1 where the left wheel stands: it is half a separation to the left."""
@@ -137,7 +128,6 @@ def test_one_wheel_stopped_turns_about_that_wheel(geometry, pose, travel, side):
         standing_wheel(pose), abs=1e-12)
 
 
-@LAW
 @given(geometries, poses, st.floats(0.01, 2.0))
 def test_equal_and_opposite_travel_turns_in_place(geometry, pose, travel):
     distance, turn = pose_change_from_travel(geometry, -travel, travel)
@@ -148,7 +138,6 @@ def test_equal_and_opposite_travel_turns_in_place(geometry, pose, travel):
     assert turning_centre(geometry, pose, -travel, travel) == pose[:2]
 
 
-@LAW
 @given(geometries, poses, st.floats(-2.0, 2.0), st.floats(-2.0, 2.0))
 def test_the_turning_centre_is_one_radius_from_the_start_and_from_the_end(
         geometry, pose, left, right):
@@ -162,7 +151,6 @@ def test_the_turning_centre_is_one_radius_from_the_start_and_from_the_end(
         centre, rel=1e-9, abs=1e-9)
 
 
-@LAW
 @given(geometries, rates, rates)
 def test_speed_is_yaw_rate_times_turning_radius(geometry, left, right):
     speeds = travel_from_angles(geometry, left, right)

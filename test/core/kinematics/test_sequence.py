@@ -18,11 +18,10 @@ import math
 
 from diffdrive_kinematics.core.kinematics import (
     advance, check_times, Command, Pose, pose_after, poses_along, retraced)
-from hypothesis import given, settings, strategies as st
+from hypothesis import given, strategies as st
 import mpmath
 import pytest
 
-LAW = settings(deadline=None, derandomize=True)
 START = Pose(1.0, -2.0, 0.5)
 commands = st.builds(
     Command, st.floats(-2.0, 2.0), st.floats(-3.0, 3.0), st.floats(0.0, 2.0))
@@ -42,13 +41,11 @@ def composed(start, course):
         return Pose(float(x), float(y), float(theta))
 
 
-@LAW
 @given(courses)
 def test_a_course_is_the_composition_of_its_arcs(course):
     assert pose_after(START, course) == pytest.approx(composed(START, course), abs=1e-12)
 
 
-@LAW
 @given(courses)
 def test_there_is_the_start_and_one_pose_after_each_command(course):
     poses = poses_along(START, iter(course))
@@ -59,7 +56,6 @@ def test_there_is_the_start_and_one_pose_after_each_command(course):
         assert following == advance(pose, u.v * u.duration, u.w * u.duration)
 
 
-@LAW
 @given(courses)
 def test_retracing_a_course_leads_back_through_the_same_poses(course):
     there = poses_along(START, course)
@@ -68,13 +64,11 @@ def test_retracing_a_course_leads_back_through_the_same_poses(course):
         assert pose == pytest.approx(other, abs=1e-12)
 
 
-@LAW
 @given(courses)
 def test_retracing_twice_is_the_course_itself(course):
     assert retraced(retraced(course)) == course
 
 
-@LAW
 @given(courses, st.integers(1, 5))
 def test_cutting_commands_into_shorter_ones_changes_nothing(course, parts):
     cut = [Command(u.v, u.w, u.duration / parts) for u in course for _ in range(parts)]

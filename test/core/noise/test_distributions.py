@@ -18,12 +18,11 @@ import math
 
 from diffdrive_kinematics.core.noise import (
     DISTRIBUTIONS, draw_unit, heading_variance, sample_heading, unit_bound)
-from hypothesis import given, settings, strategies as st
+from hypothesis import given, strategies as st
 import mpmath
 import numpy as np
 import pytest
 
-LAW = settings(deadline=None, derandomize=True)
 Z = 3.2905  # of 99.9 %, two-sided
 KOLMOGOROV = 1.95  # of 99.9 %
 N = 200_000
@@ -105,7 +104,6 @@ def test_a_gaussian_draw_is_a_standard_normal_of_numpy_bit_for_bit():
     assert np.array_equal(draw_unit('gaussian', drawn, (2, 3)), normals.standard_normal((2, 3)))
 
 
-@LAW
 @given(st.sampled_from(DISTRIBUTIONS), SHAPES, st.integers(0, 2**32))
 def test_an_array_is_what_its_elements_are_one_by_one(distribution, shape, seed):
     whole, parts = np.random.default_rng(seed), np.random.default_rng(seed)

@@ -23,11 +23,10 @@ from diffdrive_kinematics.core.kinematics import (
     WheelGeometry)
 from diffdrive_kinematics.core.noise import NO_COVARIANCE, PoseCovariance
 from diffdrive_kinematics.core.odometry import MeasuredWheels, Odometry, Verdict, WheelSample
-from hypothesis import given, settings, strategies as st
+from hypothesis import given, strategies as st
 import mpmath
 import pytest
 
-LAW = settings(deadline=None, derandomize=True)
 MS = 1_000_000
 S = 1000 * MS
 T = S // 2
@@ -92,7 +91,6 @@ def with_positions(samples, offset=(40.0, -7.0), source='/driver#1'):
     return result
 
 
-@LAW
 @given(schedules, st.integers(0, 400 * MS))
 def test_the_pose_is_the_composition_of_exact_arcs(samples, later):
     end = samples[-1].stamp_ns + later
@@ -103,7 +101,6 @@ def test_the_pose_is_the_composition_of_exact_arcs(samples, later):
     assert -math.pi < pose.theta <= math.pi
 
 
-@LAW
 @given(schedules, st.integers(1, 40))
 def test_repeats_change_no_bit_of_the_reading(samples, period_ms):
     repeated = []
@@ -115,7 +112,6 @@ def test_repeats_change_no_bit_of_the_reading(samples, period_ms):
     assert fed(START, repeated).predict(end) == fed(START, samples).predict(end)
 
 
-@LAW
 @given(schedules, st.lists(st.integers(0, 6 * S), max_size=9))
 def test_looking_changes_nothing(samples, times):
     odometry = fed(START, samples)
@@ -126,7 +122,6 @@ def test_looking_changes_nothing(samples, times):
     assert odometry.predict(end) == before
 
 
-@LAW
 @given(schedules, st.data())
 def test_lost_samples_with_positions_keep_angles_and_heading_exact(samples, data):
     full = with_positions(samples)
@@ -137,7 +132,6 @@ def test_lost_samples_with_positions_keep_angles_and_heading_exact(samples, data
     assert abs(wrapped_difference(reading.pose.theta, exact.pose.theta)) <= 1e-12
 
 
-@LAW
 @given(schedules)
 def test_positions_that_agree_with_the_rates_change_nothing(samples):
     end = samples[-1].stamp_ns + 100 * MS
@@ -145,7 +139,6 @@ def test_positions_that_agree_with_the_rates_change_nothing(samples):
         fed(START, with_positions(samples)).predict(end), fed(START, samples).predict(end))
 
 
-@LAW
 @given(schedules, st.lists(st.integers(1, 99), max_size=4), pairs)
 def test_a_superseding_sample_undoes_what_followed_its_stamp(samples, percents, rates):
     last = samples[-1]
@@ -196,7 +189,6 @@ def test_the_same_rates_after_silence_go_on_from_where_the_base_stopped():
     assert after.predict(20 * S + 100 * MS).angles == pytest.approx((3.0, 4.2))
 
 
-@LAW
 @given(schedules, st.integers(0, 399 * MS), st.booleans(), pairs)
 def test_a_restarted_publisher_causes_no_jump(samples, later, standing, rates):
     last = samples[-1]
@@ -231,7 +223,6 @@ def test_the_first_sample_moves_nothing_whatever_its_positions():
     assert odometry.predict(5 * S).angles == STILL
 
 
-@LAW
 @given(schedules, st.sets(st.integers(0, 11)), st.tuples(
     st.floats(-1e4, 1e4), st.floats(-1e4, 1e4)))
 def test_an_unknown_driver_that_lacks_its_positions_now_and_then_causes_no_jump(
@@ -263,7 +254,6 @@ def test_before_the_anchor_the_base_is_where_it_is_at_the_anchor():
     assert odometry.predict(0) == odometry.predict(S // 10)
 
 
-@LAW
 @given(schedules)
 def test_positions_alone_give_the_same_angles_and_heading_but_nothing_beyond(samples):
     full = with_positions(samples)
@@ -285,7 +275,6 @@ def test_the_twist_is_that_of_the_rates():
 OTHER = WheelGeometry(0.8, 0.2)
 
 
-@LAW
 @given(schedules, st.integers(-100 * MS, S), st.booleans())
 def test_a_change_of_geometry_keeps_pose_and_angles(samples, later, positions):
     odometry = fed(START, with_positions(samples) if positions else samples)
@@ -295,7 +284,6 @@ def test_a_change_of_geometry_keeps_pose_and_angles(samples, later, positions):
     assert changed.geometry == OTHER
 
 
-@LAW
 @given(schedules, st.integers(1, 90 * MS), pairs)
 def test_after_a_change_of_geometry_the_same_wheels_count_under_the_new_one(
         samples, later, rates):
@@ -332,7 +320,6 @@ def test_a_change_of_geometry_between_positions_alone_does_not_make_a_speed_up()
     assert after.predict(200 * MS).rates == pytest.approx((1.0, 1.0))
 
 
-@LAW
 @given(schedules, st.integers(-1000 * S, 1000 * S), st.integers(0, 2 * S), pairs)
 def test_after_the_clock_was_stepped_everything_goes_on_as_before(samples, step, later, rates):
     odometry = fed(START, samples)
@@ -389,7 +376,6 @@ def test_a_stop_that_is_under_way_while_settings_change_is_obeyed():
     assert stopped.predict(9 * S).pose == stopped.predict(206 * MS).pose
 
 
-@LAW
 @given(schedules, st.integers(0, 400 * MS), st.booleans())
 def test_a_base_that_is_put_elsewhere_stands_there_and_then_moves_on_by_what_wheels_roll(
         schedule, after, with_rates):
@@ -500,7 +486,6 @@ def test_what_was_driven_stays_driven_however_far_ahead_the_publishers_clock_is(
     assert_same_reading(changed.predict(now_ns), odometry.predict(now_ns))
 
 
-@LAW
 @given(st.integers(1, 50), pairs, pairs, st.integers(1, 19))
 def test_a_lost_change_of_the_rates_costs_the_arc_of_one_message_however_long_they_were_held(
         repeats, before, after, change_ms):

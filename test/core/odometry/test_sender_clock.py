@@ -15,10 +15,9 @@
 """The clock of a sender: what latencies say of it, and what a stall must not."""
 
 from diffdrive_kinematics.core.odometry import SenderClock
-from hypothesis import given, settings, strategies as st
+from hypothesis import given, strategies as st
 import pytest
 
-LAW = settings(deadline=None, derandomize=True)
 MS = 1_000_000
 S = 1000 * MS
 TOLERANCE = S // 4
@@ -37,7 +36,6 @@ def heard(latencies, clock=FRESH, start_ns=NOW, period_ns=PERIOD):
     return clock, arrival_ns
 
 
-@LAW
 @given(st.lists(st.integers(-TOLERANCE, TOLERANCE), min_size=1, max_size=200))
 def test_the_stamps_of_a_clock_within_the_tolerance_are_taken_as_they_are(latencies):
     clock, now_ns = heard(latencies)
@@ -45,7 +43,6 @@ def test_the_stamps_of_a_clock_within_the_tolerance_are_taken_as_they_are(latenc
     assert clock.own_ns(now_ns) == clock.theirs_ns(now_ns) == now_ns
 
 
-@LAW
 @given(offsets.filter(lambda offset: abs(offset) > TOLERANCE + S), st.lists(
     st.integers(0, 50 * MS), min_size=60, max_size=200))
 def test_another_clock_is_known_at_once_and_steady_after_a_while_and_its_offset_is_found(
@@ -101,7 +98,6 @@ def test_a_clock_that_was_set_back_is_found_at_once_where_it_was_another(back):
     assert not clock.differs
 
 
-@LAW
 @given(st.integers(-5000, 5000), st.sampled_from([-7 * S, 7 * S]))
 def test_a_drift_of_the_clocks_is_followed_and_mapped_time_goes_on(drift_ppm, offset):
     clock, before = FRESH, None
@@ -114,7 +110,6 @@ def test_a_drift_of_the_clocks_is_followed_and_mapped_time_goes_on(drift_ppm, of
         assert abs(clock.offset_ns - latency) <= 5 * MS
 
 
-@LAW
 @given(st.lists(st.integers(0, 400 * MS), min_size=1, max_size=80), offsets,
        st.integers(-3600 * S, 3600 * S))
 def test_a_step_of_the_own_clock_is_none_of_the_senders(ways, offset, step):

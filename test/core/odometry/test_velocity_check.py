@@ -17,12 +17,10 @@
 import math
 
 from diffdrive_kinematics.core.odometry import VelocityCheck
-from hypothesis import given, settings, strategies as st
+from hypothesis import given, strategies as st
 import pytest
 from support.driver import Driver, MS, ramp, S, sway
 from support.recorded import load, RUNS, wheel_positions
-
-LAW = settings(deadline=None, derandomize=True)
 
 
 def checked(messages):
@@ -90,7 +88,6 @@ def test_ramps_ticks_and_filters_are_no_disagreement(drive, period_ms, resolutio
     assert not any(check.disagreement for check in checked(driver.messages(20.0)))
 
 
-@LAW
 @given(st.floats(1.0, 30.0), st.floats(-60.0, 60.0).filter(
     lambda factor: not 0.6 <= factor <= 1.6), st.sampled_from([5, 20, 50]))
 def test_a_factor_is_found_within_seconds_and_told_as_it_is(rate, factor, period_ms):

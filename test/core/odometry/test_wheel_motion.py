@@ -23,10 +23,9 @@ from diffdrive_kinematics.core.odometry import (
     baseline, rates_at, rolled, shifted, step_tolerance, timeout_from_seconds, update_motion,
     Verdict, WheelSample)
 from diffdrive_kinematics.core.odometry.wheel_track import WheelTrack
-from hypothesis import given, settings, strategies as st
+from hypothesis import given, strategies as st
 import pytest
 
-LAW = settings(deadline=None, derandomize=True)
 MS = 1_000_000
 S = 1000 * MS
 T = S // 2
@@ -61,7 +60,6 @@ def angle_at(samples, time_ns, timeout_ns=T):
     return angle[0] + held[0], angle[1] + held[1]
 
 
-@LAW
 @given(schedules, st.lists(st.floats(0.0, 1.0), max_size=5))
 def test_repeats_change_nothing_but_the_last_stamp(schedule, fractions):
     samples = stamped(schedule)
@@ -79,7 +77,6 @@ def test_repeats_change_nothing_but_the_last_stamp(schedule, fractions):
     assert repeated[0].last_ns == with_repeats[-1].stamp_ns
 
 
-@LAW
 @given(schedules)
 def test_the_angle_is_the_sum_of_the_rates_times_the_time_they_were_held(schedule):
     samples = stamped(schedule)
@@ -215,7 +212,6 @@ def test_the_same_rates_after_silence_only_rolled_until_the_timeout():
     assert at_the_timeout[2] == [Verdict.REPEATED], 'a sample just in time is no silence'
 
 
-@LAW
 @given(schedules, st.data())
 def test_lost_samples_with_positions_cost_nothing(schedule, data):
     bare = stamped(schedule)
@@ -278,7 +274,6 @@ def test_positions_alone_that_stay_say_that_the_wheels_stand():
     assert (motion.rates, angle) == (STILL, STILL)
 
 
-@LAW
 @given(schedules, st.integers(-1000 * S, 1000 * S), st.integers(0, 2 * S))
 def test_after_a_step_of_the_clock_everything_reads_as_before(schedule, step, later):
     motion, _, _ = play(stamped(schedule))
@@ -314,7 +309,6 @@ def test_a_timeout_of_zero_seconds_is_none(seconds, timeout_ns):
     assert timeout_from_seconds(seconds) == timeout_ns
 
 
-@LAW
 @given(pairs, pairs, st.sampled_from([A, None]))
 def test_the_first_positions_of_another_source_are_a_baseline(old, new, rates):
     """Guard a jump by all that was driven when a publisher is restarted, or a second one comes."""
