@@ -23,9 +23,7 @@ from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
 from rcl_interfaces.srv import SetParameters
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64MultiArray
-from support.graph import KHEPERA, set_stamp, stamp_ns, twist
-
-JOINTS = ['left_wheel_joint', 'right_wheel_joint']
+from support.graph import JOINTS, KHEPERA, set_stamp, stamp_ns, twist
 
 
 def wheel_rates(time_ns, left, right):

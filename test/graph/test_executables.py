@@ -15,7 +15,6 @@
 """Each executable starts, ends cleanly on SIGINT and SIGTERM, and the demo shows its table."""
 
 import math
-from pathlib import Path
 import re
 import signal
 
@@ -25,9 +24,8 @@ from geometry_msgs.msg import Twist
 from nav_msgs.msg import Odometry
 import pytest
 from sensor_msgs.msg import JointState
-from support.graph import KHEPERA, twist
+from support.graph import CONFIG, KHEPERA, twist
 
-CONFIG = Path(__file__).parents[2] / 'config'
 SIGNALS = [signal.SIGINT, signal.SIGTERM]
 EXECUTABLES = {
     'diff_drive_controller': KHEPERA,

@@ -29,7 +29,7 @@ from nav_msgs.msg import Odometry
 import pytest
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState
-from support.graph import KHEPERA, set_stamp, stamp_ns, twist
+from support.graph import KHEPERA, pose_of, set_stamp, stamp_ns, twist
 from support.relay import composed, merging_error, Relay
 
 GEOMETRY = WheelGeometry(KHEPERA['wheel_separation'], KHEPERA['wheel_radius'])
@@ -44,12 +44,6 @@ NO_TIMES = [Time(sec=sec, nanosec=nanosec) for sec, nanosec in (
 
 def time_of(time_ns):
     return Time(sec=time_ns // 10**9, nanosec=time_ns % 10**9)
-
-
-def pose_of(message):
-    orientation = message.pose.pose.orientation
-    return Pose(message.pose.pose.position.x, message.pose.pose.position.y,
-                2.0 * math.atan2(orientation.z, orientation.w))
 
 
 def assert_pose(message, expected, within=1e-9):

@@ -39,13 +39,12 @@ from rclpy.parameter import Parameter
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Header
 from std_srvs.srv import Trigger
-from support.graph import KHEPERA, twist
+from support.graph import JOINTS, KHEPERA, twist
 from support.inside import inside, START_NS
 
 BATCH = 40  # messages an example
 MESSAGES = 100  # examples of each test: 8 tests, 32,000 messages
 NO_NUMBER = re.compile(r'\b(nan|inf)\b', re.IGNORECASE)
-JOINTS = ['left_wheel_joint', 'right_wheel_joint']
 NODES = {
     'diff_drive_controller': diff_drive_controller.DiffDriveController,
     'wheel_noise': wheel_noise.WheelNoise, 'simulated_base': simulated_base.SimulatedBase,

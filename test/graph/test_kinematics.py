@@ -23,7 +23,7 @@ from geometry_msgs.msg import Twist, TwistStamped
 from nav_msgs.msg import Odometry
 import pytest
 from sensor_msgs.msg import JointState
-from support.graph import KHEPERA, stamp_ns, twist, twist_stamped
+from support.graph import KHEPERA, pose_of, stamp_ns, twist, twist_stamped
 
 GEOMETRY = WheelGeometry(KHEPERA['wheel_separation'], KHEPERA['wheel_radius'])
 COMMANDS = [(0.1, 0.0), (0.05, 1.5), (-0.08, 0.7), (0.0, -2.0), (0.12, 1e-7), (0.0, 0.0)]
@@ -41,12 +41,6 @@ def start_stack(
     rates = graph.collect(JointState, 'wheel_rates')
     graph.wait_for(lambda: odometry and rates, 'odometry and wheel rates')
     return odometry, rates
-
-
-def pose_of(message):
-    orientation = message.pose.pose.orientation
-    return (message.pose.pose.position.x, message.pose.pose.position.y,
-            2.0 * math.atan2(orientation.z, orientation.w))
 
 
 def at_rest_after(odometry, time_ns):

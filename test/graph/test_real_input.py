@@ -15,25 +15,17 @@
 """A real robot's recorded motion through the nodes: as encoders, and as commands."""
 
 import csv
-import math
 
-from diffdrive_kinematics.core.kinematics import Pose, wrap_angle
+from diffdrive_kinematics.core.kinematics import wrap_angle
 from nav_msgs.msg import Odometry
 import pytest
 from sensor_msgs.msg import JointState
-from support.graph import set_stamp, stamp_ns
+from support.graph import JOINTS, pose_of, set_stamp, stamp_ns
 from support.recorded import (
     end_error, implied_commands, load, offline_pose, RADIUS, RUNS, SEPARATION, wheel_positions)
 
 ROBOT = {'wheel_radius': RADIUS, 'wheel_separation': SEPARATION}
-JOINTS = ['left_wheel_joint', 'right_wheel_joint']
 BATCH = 8  # below the depth of the base's queue
-
-
-def pose_of(message):
-    orientation = message.pose.pose.orientation
-    return Pose(message.pose.pose.position.x, message.pose.pose.position.y,
-                2.0 * math.atan2(orientation.z, orientation.w))
 
 
 def standing(graph, messages, after):

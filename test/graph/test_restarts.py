@@ -24,15 +24,10 @@ from nav_msgs.msg import Odometry
 import pytest
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState
-from support.graph import KHEPERA, set_stamp, stamp_ns, twist
+from support.graph import JOINTS, KHEPERA, set_stamp, stamp_ns, twist, x_of
 from support.inside import inside, START_NS
 
 SPEED = 0.2  # [m/s]
-JOINTS = ['left_wheel_joint', 'right_wheel_joint']
-
-
-def x_of(odometry):
-    return odometry[-1].pose.pose.position.x
 
 
 def driven(graph, odometry, commands, distance):

@@ -14,7 +14,6 @@
 
 """The params files of ``config/``: what they promise holds, for nodes one by one too."""
 
-from pathlib import Path
 import re
 
 from diffdrive_kinematics.ros.parameters.tables import TABLES
@@ -26,10 +25,9 @@ from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from sensor_msgs.msg import JointState
 from std_msgs.msg import String
-from support.graph import twist
+from support.graph import CONFIG, twist
 import yaml
 
-CONFIG = Path(__file__).parents[2] / 'config'
 FILES = sorted(CONFIG.glob('*.yaml'))
 FRAME = 'base_frame_id'
 

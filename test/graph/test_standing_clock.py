@@ -22,7 +22,7 @@ from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
 from rcl_interfaces.srv import SetParameters
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState
-from support.graph import KHEPERA, stamp_ns, twist
+from support.graph import JOINTS, KHEPERA, stamp_ns, twist
 
 SIMULATED = {**KHEPERA, 'use_sim_time': True}
 WAITING = 'waiting for /clock, use_sim_time is true'
@@ -32,7 +32,6 @@ NODES = {
     'command_sequence': {'commands': [0.1, 0.0, 60.0]}, 'forward_projection': KHEPERA}
 RAMPS = {'linear.x.max_acceleration': 0.5}
 SPEED = 0.2  # [m/s]
-JOINTS = ['left_wheel_joint', 'right_wheel_joint']
 
 
 class SimulatedTime:

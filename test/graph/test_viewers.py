@@ -15,14 +15,13 @@
 
 from importlib import import_module
 import json
-from pathlib import Path
 
 from diffdrive_kinematics.core.kinematics import Command, Pose, poses_along
 import pytest
 from rclpy.qos import DurabilityPolicy
+from support.graph import CONFIG
 import yaml
 
-CONFIG = Path(__file__).parents[2] / 'config'
 KINDS = {
     'Odometry': 'nav_msgs/msg/Odometry', 'Path': 'nav_msgs/msg/Path',
     'PoseArray': 'geometry_msgs/msg/PoseArray', 'Polygon': 'geometry_msgs/msg/PolygonStamped',

@@ -18,16 +18,12 @@ from geometry_msgs.msg import Twist
 from nav_msgs.msg import Odometry
 import pytest
 from sensor_msgs.msg import JointState
-from support.graph import KHEPERA, stamp_ns, twist
+from support.graph import KHEPERA, stamp_ns, twist, x_of
 from support.wall_clock import COMPILER, WallClock
 
 HOUR_S = 3600
 SPEED = 0.2  # [m/s]
 TIMEOUT_S = 0.5  # cmd_vel_timeout
-
-
-def x_of(odometry):
-    return odometry[-1].pose.pose.position.x
 
 
 def steps_of(messages):

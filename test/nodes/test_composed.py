@@ -28,14 +28,13 @@ from nav_msgs.msg import Odometry, Path
 import pytest
 from rclpy.qos import QoSProfile
 from sensor_msgs.msg import JointState
-from support.graph import KHEPERA, set_stamp, Twist, twist
+from support.graph import JOINTS, KHEPERA, set_stamp, Twist, twist
 
 CONTROLLER = 'diff_drive_controller'
 TIMEOUT_S, RATE = 0.5, 50.0
 COMMAND_PERIOD_S = 0.05
 LEAST_DRIVE_S = 3.0
 TOLERANCE_S = 0.5  # what one of two processes may be held up by, and the other not
-JOINTS = ['left_wheel_joint', 'right_wheel_joint']
 MANY = [f'wheel_{number}' for number in range(100)]
 DRIVE = {**KHEPERA, 'cmd_vel_timeout': TIMEOUT_S, 'publish_rate': RATE}
 

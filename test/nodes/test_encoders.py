@@ -22,18 +22,13 @@ from nav_msgs.msg import Odometry
 import pytest
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Empty, Float64MultiArray
-from support.graph import KHEPERA, set_stamp, stamp_ns, twist
+from support.graph import JOINTS, KHEPERA, set_stamp, stamp_ns, twist, x_of
 
-JOINTS = ['left_wheel_joint', 'right_wheel_joint']
 BASE = {**KHEPERA, 'enable_odom_tf': False, 'extrapolate_positions': False}
 RADIUS = KHEPERA['wheel_radius']
 STEP_NS = 20_000_000
 BATCH = 8  # below the depth of the base's queue
 STEPS = 40
-
-
-def x_of(odometry):
-    return odometry[-1].pose.pose.position.x
 
 
 def play(graph, readings, distances, joints=JOINTS, velocity=()):

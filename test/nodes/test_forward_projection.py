@@ -27,9 +27,8 @@ import numpy as np
 import pytest
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState
-from support.graph import KHEPERA, set_stamp, stamp_ns
+from support.graph import JOINTS, KHEPERA, set_stamp, stamp_ns
 
-JOINTS = ['left_wheel_joint', 'right_wheel_joint']
 SETTINGS = {
     **KHEPERA, 'left_slip_variance': 2e-5, 'right_slip_variance': 1e-5, 'publish_rate': 20.0,
     'slip_distribution': 'uniform', 'samples': 20_000, 'stages': 1, 'command_timeout': 0.0}

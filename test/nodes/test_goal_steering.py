@@ -15,7 +15,6 @@
 """``goal_steering``: arrives, says so, and leaves the wheels at rest whatever ends it."""
 
 import math
-from pathlib import Path
 import re
 import signal
 
@@ -23,9 +22,8 @@ from geometry_msgs.msg import PoseStamped, Twist, TwistStamped
 from nav_msgs.msg import Odometry, Path as PathMessage
 import pytest
 from sensor_msgs.msg import JointState
-from support.graph import KHEPERA, set_stamp, stamp_ns
+from support.graph import CONFIG, KHEPERA, set_stamp, stamp_ns
 
-CONFIG = Path(__file__).parents[2] / 'config'
 FAST = {'max_speed': 0.5, 'max_yaw_rate': 4.0}
 QUICK = {**FAST, 'distance_gain': 2.0, 'heading_gain': 6.0, 'publish_rate': 50.0}
 

@@ -19,13 +19,12 @@ import math
 import numpy as np
 import pytest
 from sensor_msgs.msg import JointState
-from support.graph import set_stamp, stamp_ns
+from support.graph import JOINTS, set_stamp, stamp_ns
 
 RADIUS = 0.021
 SETTINGS = {
     'wheel_radius': RADIUS, 'left_bias': 0.02, 'right_bias': -0.01, 'left_slip_variance': 4e-6,
     'right_slip_variance': 1e-6, 'seed': 7}
-JOINTS = ['left_wheel_joint', 'right_wheel_joint']
 MESSAGES = 2401
 Z_999 = 3.2905  # two-sided 99.9 % quantile of the standard normal
 IN_FLIGHT = 8

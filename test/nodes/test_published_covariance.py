@@ -26,9 +26,8 @@ import numpy as np
 import pytest
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Empty
-from support.graph import KHEPERA, set_stamp, stamp_ns
+from support.graph import JOINTS, KHEPERA, pose_of, set_stamp, stamp_ns
 
-JOINTS = ['left_wheel_joint', 'right_wheel_joint']
 GEOMETRY = WheelGeometry(KHEPERA['wheel_separation'], KHEPERA['wheel_radius'])
 SLIP = {'left_slip_variance': 2e-6, 'right_slip_variance': 1e-6}
 RATES = (3.0, 5.0)
@@ -68,7 +67,7 @@ def matrix(covariance):
 
 def test_the_pose_has_the_covariance_of_its_path_in_the_axes_of_the_fixed_frame(graph):
     message, _ = moving_base(graph, SLIP)
-    turned = wrap_angle(planar(message)[2] - 2.0)
+    turned = wrap_angle(pose_of(message).theta - 2.0)
     seconds = turned * KHEPERA['wheel_separation'] / (KHEPERA['wheel_radius'] * (
         RATES[1] - RATES[0]))  # as it counts them: a first message that was late is its start
     assert seconds > 0.0
@@ -153,7 +152,7 @@ def test_an_uncertain_heading_is_published_or_drawn(graph, seed):
     message, _ = moving_base(graph, {
         'initial_heading_concentration': 100.0, 'initial_heading_seed': seed}, (0.0, 0.0))
     variance = matrix(message.pose.covariance)[5, 5] - FLOOR
-    yaw = planar(message)[2]
+    yaw = pose_of(message).theta
     if seed < 0:
         assert yaw == pytest.approx(2.0, abs=1e-12)
         assert variance == pytest.approx(heading_variance(100.0), rel=1e-9)
@@ -191,12 +190,12 @@ def test_the_covariance_of_a_long_straight_is_that_of_20000_sampled_paths(graph,
         '--ros-args', '--params-file', str(written(STRAIGHT, tmp_path / 'straight.yaml'))])
     graph.wait_for(lambda: odometry or not sim.running, 'odometry')
     graph.play_out(sim, go)
-    graph.wait_for(lambda: planar(odometry[-1])[0] > 20.0 - 1e-6, 'the end')
+    graph.wait_for(lambda: pose_of(odometry[-1]).x > 20.0 - 1e-6, 'the end')
     slip = WheelSlip(variance=1e-5)
     paths = sample_paths(
         Pose(0.0, 0.0, 0.0), 200 * [Command(1.0, 0.0, 0.1)], WheelGeometry(0.2, 0.021), slip, slip,
         n=20_000, seed=1)
-    error = np.array([column[-1] for column in paths]) - planar(odometry[-1])[:, None]
+    error = np.array([column[-1] for column in paths]) - np.array(pose_of(odometry[-1]))[:, None]
     expected = error @ error.T / 20_000
     published = matrix(odometry[-1].pose.covariance)[PLANAR]
     scale = np.sqrt(np.diag(expected))
@@ -223,12 +222,6 @@ def params_file(path):
     return written(lines, path)
 
 
-def planar(message):
-    pose = message.pose.pose
-    yaw = 2.0 * math.atan2(pose.orientation.z, pose.orientation.w)
-    return np.array([pose.position.x, pose.position.y, yaw])
-
-
 def test_belief_is_consistent_with_truth_over_50_runs_of_the_nodes(graph, tmp_path):
     """
     Drive a square once; the robot believes one thing, 50 seeded noises make 50 truths of it.
@@ -249,7 +242,7 @@ def test_belief_is_consistent_with_truth_over_50_runs_of_the_nodes(graph, tmp_pa
     rest = stamp_ns(belief) - 5_500_000_000
     graph.wait_for(lambda: all(stamp_ns(message) > rest for message in last.values()), 'the rest')
     assert not any(message.twist.twist.linear.x for message in last.values())
-    errors = np.array([planar(last[topic]) - planar(belief) for topic in topics[1:]])
+    errors = np.array([pose_of(last[topic]) for topic in topics[1:]]) - pose_of(belief)
     errors[:, 2] = wrap_angle(errors[:, 2])
     covariance = matrix(belief.pose.covariance)[PLANAR]
     white = np.linalg.solve(np.linalg.cholesky(covariance), errors.T)

@@ -31,11 +31,10 @@ from rclpy.parameter import Parameter
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Empty
 from std_srvs.srv import Trigger
-from support.graph import KHEPERA, set_stamp
+from support.graph import JOINTS, KHEPERA, pose_of, set_stamp
 from support.inside import inside
 
 PLANAR = np.ix_([0, 1, 5], [0, 1, 5])
-JOINTS = ['left_wheel_joint', 'right_wheel_joint']
 GEOMETRY = WheelGeometry(KHEPERA['wheel_separation'], KHEPERA['wheel_radius'])
 SPREAD = SessionSpread(scale=0.01, separation=0.03, curvature=0.01)
 SESSION = {f'session_{name}_stddev': getattr(SPREAD, name) for name in (
@@ -83,12 +82,6 @@ def ends(graph, tmp_path, noise, belief):
     return still['odom'], still['ground_truth']
 
 
-def planar(message):
-    pose = message.pose.pose
-    yaw = 2.0 * math.atan2(pose.orientation.z, pose.orientation.w)
-    return np.array([pose.position.x, pose.position.y, yaw])
-
-
 def covariance(message):
     """Return that of x, y and yaw, without the floor."""
     return np.reshape(message.pose.covariance, (6, 6))[PLANAR] - FLOOR * np.eye(3)
@@ -101,11 +94,11 @@ def test_the_truth_drives_off_by_exactly_what_its_seed_has_drawn(graph, tmp_path
         GEOMETRY, *travel_in_session(
             error, GEOMETRY.separation, *travel_of_command(command, GEOMETRY)))),
         COURSE, Pose(0.0, 0.0, 0.0))
-    off = planar(truth) - np.array(expected)
+    off = np.array(pose_of(truth)) - np.array(expected)
     assert [*off[:2], wrap_angle(off[2])] == pytest.approx([0.0] * 3, abs=1e-9)
     plain = reduce(lambda pose, command: advance(pose, *pose_change_from_travel(
         GEOMETRY, *travel_of_command(command, GEOMETRY))), COURSE, Pose(0.0, 0.0, 0.0))
-    assert math.hypot(*(planar(truth) - np.array(plain))[:2]) > 0.01
+    assert math.hypot(*(np.array(pose_of(truth)) - np.array(plain))[:2]) > 0.01
 
 
 def test_the_belief_publishes_the_covariance_of_20000_sampled_runs(graph, tmp_path):
@@ -117,7 +110,7 @@ def test_the_belief_publishes_the_covariance_of_20000_sampled_runs(graph, tmp_pa
              for _ in range(round(10 * each.duration))]
     paths = sample_paths(
         Pose(0.0, 0.0, 0.0), steps, GEOMETRY, slip, slip, n=20_000, seed=1, session=SPREAD)
-    error = np.array([column[-1] for column in paths]) - planar(odometry)[:, None]
+    error = np.array([column[-1] for column in paths]) - np.array(pose_of(odometry))[:, None]
     error[2] = wrap_angle(error[2])
     expected = error @ error.T / 20_000
     published, scale = covariance(odometry), np.sqrt(np.diag(expected))

@@ -22,9 +22,8 @@ from nav_msgs.msg import Odometry
 import pytest
 from sensor_msgs.msg import JointState
 from std_srvs.srv import Trigger
-from support.graph import KHEPERA, set_stamp
+from support.graph import JOINTS, KHEPERA, pose_of, set_stamp
 
-JOINTS = ['left_wheel_joint', 'right_wheel_joint']
 RADIUS = KHEPERA['wheel_radius']
 BASE = {**KHEPERA, 'enable_odom_tf': False, 'command_timeout': 0.0}
 VARIANCES = {0: 0.25, 1: 0.01, 6: 0.01, 7: 0.36, 35: 0.0685}
@@ -64,9 +63,7 @@ class Robot:
         self.wheels.publish(self.message)
 
     def pose(self):
-        pose = self.odometry[-1].pose.pose
-        return (pose.position.x, pose.position.y,
-                2.0 * math.atan2(pose.orientation.z, pose.orientation.w))
+        return pose_of(self.odometry[-1])
 
     def wait_for_pose(self, *pose):
         self.graph.wait_for(

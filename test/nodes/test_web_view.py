@@ -16,7 +16,6 @@
 
 import json
 import os
-from pathlib import Path
 import re
 import shutil
 import signal
@@ -26,9 +25,8 @@ from geometry_msgs.msg import Twist
 from nav_msgs.msg import Odometry
 import pytest
 from rcl_interfaces.srv import GetParameters
-from support.graph import KHEPERA, twist
+from support.graph import CONFIG, KHEPERA, twist
 
-CONFIG = Path(__file__).parents[2] / 'config'
 BROWSER = shutil.which('chromium') or shutil.which('chromium-browser')
 pytestmark = [pytest.mark.slow, pytest.mark.ros]
 

@@ -18,13 +18,16 @@ A graph of real processes over DDS in a domain of its own, and the test's node i
 Nothing sleeps: every wait is for an event, with a deadline that only a hung graph reaches.
 """
 
+import math
 import os
+from pathlib import Path
 import signal
 import subprocess
 import sys
 import tempfile
 import time
 
+from diffdrive_kinematics.core.kinematics import Pose
 from geometry_msgs.msg import Twist, TwistStamped
 import rclpy
 from rclpy.executors import SingleThreadedExecutor
@@ -35,6 +38,8 @@ DEADLINE_S = 90.0
 ANSWER_S = 10.0
 START = 'from diffdrive_kinematics.executables import {0}; {0}()'  # what the scripts do
 DEEP = QoSProfile(depth=100_000)
+JOINTS = ['left_wheel_joint', 'right_wheel_joint']
+CONFIG = Path(__file__).resolve().parents[2] / 'config'
 KHEPERA = {'wheel_radius': 0.021, 'wheel_separation': 0.0885}
 
 
@@ -203,6 +208,17 @@ def stamp_ns(message):
 def set_stamp(message, time_ns):
     """Write a stamp [ns] into a message with a header."""
     message.header.stamp.sec, message.header.stamp.nanosec = divmod(time_ns, 10**9)
+
+
+def pose_of(message):
+    """Return the pose in the plane of an Odometry."""
+    at, orientation = message.pose.pose.position, message.pose.pose.orientation
+    return Pose(at.x, at.y, 2.0 * math.atan2(orientation.z, orientation.w))
+
+
+def x_of(odometry):
+    """Return how far ahead the last of the messages is."""
+    return odometry[-1].pose.pose.position.x
 
 
 def twist(v, w):

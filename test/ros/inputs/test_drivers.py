@@ -23,10 +23,9 @@ from diffdrive_kinematics.ros.inputs.driver_watch import clock_text, velocity_te
 from nav_msgs.msg import Odometry
 import pytest
 from sensor_msgs.msg import JointState
-from support.graph import KHEPERA, set_stamp
+from support.graph import JOINTS, KHEPERA, set_stamp
 from support.inside import inside, START_NS
 
-JOINTS = ['left_wheel_joint', 'right_wheel_joint']
 BASE = {**KHEPERA, 'enable_odom_tf': False, 'diagnostics_rate': 20.0}
 RADIUS = KHEPERA['wheel_radius']
 RATE = 5.0  # [rad/s]

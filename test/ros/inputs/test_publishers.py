@@ -20,9 +20,8 @@ from nav_msgs.msg import Odometry
 import pytest
 import rclpy
 from sensor_msgs.msg import JointState
-from support.graph import DEEP, KHEPERA, set_stamp, twist
+from support.graph import DEEP, JOINTS, KHEPERA, set_stamp, twist
 
-JOINTS = ['left_wheel_joint', 'right_wheel_joint']
 RADIUS = KHEPERA['wheel_radius']
 STEP_NS = 20_000_000
 STEP = 0.06  # [rad] in STEP_NS

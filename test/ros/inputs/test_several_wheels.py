@@ -20,7 +20,7 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from nav_msgs.msg import Odometry
 import pytest
 from sensor_msgs.msg import JointState
-from support.graph import KHEPERA, set_stamp
+from support.graph import KHEPERA, pose_of, set_stamp
 
 WHEELS = ['fl', 'rl', 'fr', 'rr']
 PAIR = ['left_wheel_joint', 'right_wheel_joint']
@@ -30,11 +30,6 @@ BASE = {**KHEPERA, 'enable_odom_tf': False, 'diagnostics_rate': 10.0,
 FOUR = {**BASE, 'left_wheel_names': ['fl', 'rl'], 'right_wheel_names': ['fr', 'rr']}
 STEP_NS, BATCH = 20_000_000, 8
 NAN = math.nan
-
-
-def heading(message):
-    orientation = message.pose.pose.orientation
-    return 2.0 * math.atan2(orientation.z, orientation.w)
 
 
 class Wheels:
@@ -68,7 +63,7 @@ class Wheels:
     def wait_for(self, x, yaw=0.0, tolerance=1e-9):
         self.graph.wait_for(
             lambda: self.odometry and self.odometry[-1].pose.pose.position.x == pytest.approx(
-                x, abs=tolerance) and heading(self.odometry[-1]) == pytest.approx(
+                x, abs=tolerance) and pose_of(self.odometry[-1]).theta == pytest.approx(
                     yaw, abs=tolerance), f'x {x}, yaw {yaw}', timeout=30.0)
 
     def wait_for_report(self, *words):
@@ -108,7 +103,7 @@ def test_a_stuck_encoder_is_reported_and_does_not_turn_the_robot(graph, stuck):
         row[stuck] = 3.0
     wheels.play(rows)
     wheels.wait_for(RADIUS * angles[-1], tolerance=2e-3)
-    assert heading(wheels.odometry[-1]) == pytest.approx(0.0, abs=1e-9)
+    assert pose_of(wheels.odometry[-1]).theta == pytest.approx(0.0, abs=1e-9)
     wheels.wait_for_report('wheels of a side disagree', f"'{WHEELS[stuck]}' 0.00 rad (left out)")
 
 
@@ -152,7 +147,7 @@ def test_messages_that_carry_one_wheel_each_are_put_together_by_joint(graph):
 
     def there():
         left_late = yaw + RADIUS * 0.05 / SEPARATION  # the left wheel was measured earlier
-        return wheels.odometry and yaw - 1e-9 <= heading(wheels.odometry[-1]) <= left_late
+        return wheels.odometry and yaw - 1e-9 <= pose_of(wheels.odometry[-1]).theta <= left_late
 
     graph.wait_for(there, f'yaw {yaw}', timeout=30.0)
     assert wheels.odometry[-1].pose.pose.position.x == pytest.approx(

@@ -19,11 +19,10 @@ import pytest
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Empty
-from support.graph import KHEPERA, set_stamp, twist
+from support.graph import JOINTS, KHEPERA, set_stamp, twist
 
 BEST_EFFORT = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
 CONTROLLER = 'diff_drive_controller'
-JOINTS = ['left_wheel_joint', 'right_wheel_joint']
 ENDPOINTS = {
     CONTROLLER: (
         {**KHEPERA, 'wheel_commands_topic': 'commands', 'publish_limited_velocity': True},

@@ -20,9 +20,8 @@ from nav_msgs.msg import Odometry, Path
 import pytest
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Empty
-from support.graph import KHEPERA, set_stamp, stamp_ns
+from support.graph import JOINTS, KHEPERA, set_stamp, stamp_ns
 
-JOINTS = ['left_wheel_joint', 'right_wheel_joint']
 SETTINGS = {
     **KHEPERA, 'enable_odom_tf': False, 'command_timeout': 0.0, 'path_topic': 'way',
     'path_rate': 20.0, 'odom_frame_id': 'map', 'base_frame_id': 'robot'}

@@ -22,10 +22,9 @@ from diffdrive_kinematics.core.kinematics import compose
 from nav_msgs.msg import Odometry
 import pytest
 from sensor_msgs.msg import JointState
-from support.graph import KHEPERA, set_stamp, stamp_ns
+from support.graph import JOINTS, KHEPERA, set_stamp, stamp_ns
 from support.tf import transforms
 
-JOINTS = ['left_wheel_joint', 'right_wheel_joint']
 BELIEF = {**KHEPERA, 'command_timeout': 0.0}
 TRUTH = {
     **BELIEF, 'enable_odom_tf': False, 'publish_map_odom_tf': True, 'odom_frame_id': 'map',

@@ -26,12 +26,11 @@ from nav_msgs.msg import Odometry
 import pytest
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState
-from support.graph import KHEPERA, set_stamp, stamp_ns, twist
+from support.graph import JOINTS, KHEPERA, set_stamp, stamp_ns, twist
 from support.health import collect, ERROR, OK, wait_for_level, WARN
 from support.inside import inside, START_NS
 
 CONTROLLER = 'diff_drive_controller'
-JOINTS = ['left_wheel_joint', 'right_wheel_joint']
 NODES = {
     CONTROLLER: KHEPERA, 'wheel_noise': {'wheel_radius': 0.021}, 'simulated_base': KHEPERA,
     'command_sequence': {'commands': [0.1, 0.0, 60.0]}, 'forward_projection': KHEPERA}

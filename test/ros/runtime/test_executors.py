@@ -25,10 +25,9 @@ import pytest
 import rclpy
 from sensor_msgs.msg import JointState
 from std_srvs.srv import Trigger
-from support.graph import KHEPERA, set_stamp, stamp_ns, twist
+from support.graph import JOINTS, KHEPERA, set_stamp, stamp_ns, twist
 from support.inside import initialised
 
-JOINTS = ['left_wheel_joint', 'right_wheel_joint']
 DEADLINE_S = 30.0
 
 

@@ -26,12 +26,11 @@ import pytest
 import rclpy
 from rclpy.parameter import Parameter
 from sensor_msgs.msg import JointState
-from support.graph import KHEPERA, set_stamp
+from support.graph import JOINTS, KHEPERA, set_stamp
 from support.inside import initialised
 
 pytestmark = pytest.mark.ros
 DEADLINE_S = 10.0
-JOINTS = ['left_wheel_joint', 'right_wheel_joint']
 RARELY = 0.01  # [Hz]: no tick while a test runs
 OVERRIDE = 'qos_overrides./wheel_rates.subscription.'
 
