@@ -15,7 +15,8 @@
 """
 Measuring a robot: its wheels, its bias and its slip, from squares or recorded drives.
 
-UMBmark, least squares on trajectories, and the likelihood of slip on windows of a drive.
+UMBmark, least squares on trajectories, the likelihood of slip on windows of a drive, and the
+response of a robot to its commands.
 """
 
 from diffdrive_kinematics.core.calibration.calibration_parameters import CalibrationParameters
@@ -29,6 +30,12 @@ from diffdrive_kinematics.core.calibration.fit_setup import Clock, NO_FRAME
 from diffdrive_kinematics.core.calibration.gauss_newton import Iteration
 from diffdrive_kinematics.core.calibration.recorded_drive import (
     drive_from_positions, RecordedDrive, without_frozen_poses)
+from diffdrive_kinematics.core.calibration.response_choice import (
+    fit_response, Prediction, ResponseFit)
+from diffdrive_kinematics.core.calibration.response_drive import commands_of, responded
+from diffdrive_kinematics.core.calibration.response_fit import (
+    fit_form, fit_heading, FittedResponse, response_errors)
+from diffdrive_kinematics.core.calibration.response_forms import FORMS
 from diffdrive_kinematics.core.calibration.session_fit import (
     fit_sessions, SessionFit, spread_between)
 from diffdrive_kinematics.core.calibration.slip_fit import (
@@ -47,11 +54,13 @@ from diffdrive_kinematics.core.calibration.window_residuals import linearised, W
 from diffdrive_kinematics.core.calibration.window_weights import Variances
 
 __all__ = [
-    'COMMANDED', 'CalibrationParameters', 'Clock', 'Estimate', 'Iteration', 'NO_FRAME',
-    'NO_NOISE', 'RecordedDrive', 'ReferenceNoise', 'Residual', 'ReturnError', 'SessionFit',
-    'SlipFit', 'SlipWindow', 'SquareFit', 'TrajectoryFit', 'Umbmark', 'Variances',
-    'WindowResiduals', 'WindowSet', 'Windows', 'corrected', 'drift_pays', 'drive_from_commands',
-    'drive_from_positions', 'drive_from_rates', 'drive_from_ticks', 'fit_drive_slip',
-    'fit_reference_noise', 'fit_sessions', 'fit_slip', 'fit_squares', 'fit_trajectory',
-    'linearised', 'nees_per_dof', 'odometry_at', 'slip_from_squares', 'slip_window',
-    'slip_windows', 'spread_between', 'umbmark', 'windows_between', 'without_frozen_poses']
+    'COMMANDED', 'CalibrationParameters', 'Clock', 'Estimate', 'FORMS', 'FittedResponse',
+    'Iteration', 'NO_FRAME', 'NO_NOISE', 'Prediction', 'RecordedDrive', 'ReferenceNoise',
+    'Residual', 'ResponseFit', 'ReturnError', 'SessionFit', 'SlipFit', 'SlipWindow', 'SquareFit',
+    'TrajectoryFit', 'Umbmark', 'Variances', 'WindowResiduals', 'WindowSet', 'Windows',
+    'commands_of', 'corrected', 'drift_pays', 'drive_from_commands', 'drive_from_positions',
+    'drive_from_rates', 'drive_from_ticks', 'fit_drive_slip', 'fit_form', 'fit_heading',
+    'fit_reference_noise', 'fit_response', 'fit_sessions', 'fit_slip', 'fit_squares',
+    'fit_trajectory', 'linearised', 'nees_per_dof', 'odometry_at', 'responded',
+    'response_errors', 'slip_from_squares', 'slip_window', 'slip_windows', 'spread_between',
+    'umbmark', 'windows_between', 'without_frozen_poses']

@@ -21,7 +21,7 @@ Robots without encoders turn more or less than asked, lose speed in curves, and 
 
 from ``delay`` seconds after the command.  The share s of the speed that is kept falls with the
 curvature k = w / v: a loss of order n = 1 or 2 is ``s^n = 1 - |c k|^n``, down to a tenth; a table
-has s at some curvatures, on lines in between.  Backward is the mirror image of forward.
+of factors at some |k| comes on top.  Backward is the mirror image of forward.
 """
 
 from dataclasses import dataclass
@@ -71,19 +71,17 @@ class CommandResponse:
     Parameters
     ----------
     max_speed, max_yaw_rate : float
-        Largest |v| [m/s] and |w| [rad/s] that were driven; commands beyond count as these.
+        Largest |v| [m/s] and |w| [rad/s] driven; commands beyond count as these.
     speed_gain : float
         Gain a [1] of the speed on a straight.
     yaw_rate_gain : float
         Gain b [1].
     veer : float
         By how much d a straight turns [rad/m].
-    turn_loss : float
-        Loss c [m]: at a curvature of 1 / c all speed but the last tenth is lost.
-    turn_loss_order : int
-        Order n of the loss, 1 or 2.
+    turn_loss, turn_loss_order : float, int
+        Loss c [m] and order n, 1 or 2: at k = 1 / c all speed but the last tenth is lost.
     curvatures, shares : tuple of float
-        Table of s [1] over k [1/m] instead of the loss; the first and the last share hold beyond.
+        Table over |k| [1/m] of what multiplies s [1]; the first and the last one hold beyond.
     delay : float
         How late the robot follows [s].
 
@@ -135,12 +133,14 @@ class CommandResponse:
             self._check_table(np.array(self.curvatures), np.array(self.shares))
 
     def _check_table(self, nodes: Array, shares: Array) -> None:
-        if len(nodes) != len(shares) or len(nodes) < 2 or not (np.diff(nodes) > 0.0).all():
+        order = len(nodes) > 1 and nodes[0] >= 0.0 and (np.diff(nodes) > 0.0).all()
+        if len(nodes) != len(shares) or not order:
             raise ValueError(
                 f'curvatures are {self.curvatures!r} and shares {self.shares!r}, expected as '
-                'many of each, two or more, and curvatures in rising order')
+                'many of each, two or more, and curvatures from 0 on in rising order')
         slopes = np.diff(shares) / np.diff(nodes)
-        gains = shares[:-1] - slopes * (nodes[:-1] + self.veer / self.yaw_rate_gain)
+        turning = np.abs(slopes * self.veer) / self.yaw_rate_gain
+        gains = shares[:-1] - slopes * nodes[:-1] - turning
         if not (np.isfinite(nodes).all() and (shares > 0.0).all() and (gains > 0.0).all()):
             raise ValueError(
                 f'shares are {self.shares!r} at the curvatures {self.curvatures!r}, expected '
@@ -166,14 +166,14 @@ class CommandResponse:
         array([1. , 0.8, 0.1])
         >>> table = CommandResponse(0.5, 2.0, curvatures=(0.0, 4.0), shares=(1.0, 0.6))
         >>> table.share([-1.0, 2.0, 50.0])
-        array([1. , 0.8, 0.6])
+        array([0.9, 0.8, 0.6])
 
         """
         k = np.asarray(curvature, dtype=np.float64)
+        kept = share_kept(self.turn_loss * k, self.turn_loss_order)
         if self.curvatures:
-            found: Array = np.interp(k, self.curvatures, self.shares)
-            return found
-        return share_kept(self.turn_loss * k, self.turn_loss_order)
+            kept = kept * np.interp(np.abs(k), self.curvatures, self.shares)
+        return kept
 
     def motion_of(self, command: Twist) -> Twist:
         """

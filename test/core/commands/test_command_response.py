@@ -26,8 +26,10 @@ RESPONSES = {
     'loss of the root': CommandResponse(
         SPEED, YAW_RATE, speed_gain=1.03, turn_loss=0.18, veer=0.2, yaw_rate_gain=0.95),
     'table': CommandResponse(
-        SPEED, YAW_RATE, curvatures=(-4.0, -1.0, 0.0, 2.0, 6.0),
-        shares=(0.6, 0.95, 1.0, 0.9, 0.4), veer=0.1)}
+        SPEED, YAW_RATE, curvatures=(0.0, 0.1, 2.0, 6.0),
+        shares=(1.0, 1.05, 0.9, 0.4), veer=0.1),
+    'loss and table': CommandResponse(
+        SPEED, YAW_RATE, turn_loss=0.18, curvatures=(0.0, 0.1), shares=(0.95, 1.0), veer=-0.1)}
 each = pytest.mark.parametrize('response', RESPONSES.values(), ids=RESPONSES)
 GRID = [Twist(float(v), float(w)) for v in np.linspace(-SPEED, SPEED, 21)
         for w in np.linspace(-YAW_RATE, YAW_RATE, 21)]
