@@ -123,7 +123,8 @@ def of_drives(
         watch=lambda _: progress(f'fitting, iteration {next(rounds)}'))
     progress('fitting each drive')
     sessions = fit_sessions(
-        geometry, drives, fit, clock=CLOCKS[clock], mean_radius=not keep, windows=windows)
+        geometry, [[drive] for drive in drives], fit, clock=CLOCKS[clock],
+        mean_radius=not keep, windows=windows)
     progress('fitting the slip')
     after = fit.corrected(geometry)
     slip = fit_drive_slip(geometry, drives, fit, equal=values['equal_slip'])

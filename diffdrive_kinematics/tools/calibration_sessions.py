@@ -39,8 +39,8 @@ def session_remark(sessions: Optional[SessionFit]) -> str:
     if sessions is None:
         return THIS_SESSION_ONLY
     kept = '; not the scale, as the mean radius is kept' if sessions.scale is None else ''
-    return (f'session_*: what differs between the {sessions.runs} drives beyond the standard '
-            f'errors of each{kept}')
+    return (f'session_*: what differs between the {sessions.sessions} drives beyond the standard '
+            f'errors of each; drives of one day tell nothing about other days{kept}')
 
 
 def session_parameters(sessions: Optional[SessionFit]) -> Dict[str, float]:

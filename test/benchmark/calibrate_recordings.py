@@ -32,7 +32,7 @@ sys.path[:0] = [str(TEST.parent), str(TEST)]
 
 from diffdrive_kinematics.core.calibration import (  # noqa: E402, I100
     CalibrationParameters, Clock, COMMANDED, corrected, drive_from_commands, fit_drive_slip,
-    fit_trajectory, linearised, NO_FRAME, ReturnError, umbmark, windows_between)
+    fit_sessions, fit_trajectory, linearised, NO_FRAME, ReturnError, umbmark, windows_between)
 from diffdrive_kinematics.core.kinematics import WheelGeometry  # noqa: E402, I100
 from support.end_points import encoder_drive, predicted_end  # noqa: E402
 from support.recorded import RADIUS, SEPARATION  # noqa: E402
@@ -109,6 +109,21 @@ def encoders(directory):
                 print('     left out one by one:', jackknifed(drives, clock))
                 slip = fit_drive_slip(ENCODERS, drives, fit)
                 print(f'     slip k {slip.k_left.value:.2e} +- {slip.k_left.error:.1e} m')
+    between_sessions(found)
+
+
+def between_sessions(found):
+    """Print what differs between sessions, and between the runs of each, beyond their errors."""
+    groups = {'sessions': list(found.values()), **{
+        f'runs of {name}': [[each] for each in drives] for name, drives in found.items()}}
+    print('  Standard deviations of scale [%], separation [%], curvature [mrad/m] between')
+    for what, group in groups.items():
+        drives = [each for session in group for each in session]
+        fit = fit_trajectory(ENCODERS, drives, clock=Clock.AUTO)
+        spread = fit_sessions(ENCODERS, group, fit, clock=Clock.AUTO)
+        print(f'    {what:24s}', 'too few' if spread is None else ', '.join(
+            f'{factor * each.value:.2f} +- {factor * each.error:.2f}'
+            for factor, each in zip((100.0, 100.0, 1000.0), spread)))
 
 
 def jackknifed(drives, clock):

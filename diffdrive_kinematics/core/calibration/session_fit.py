@@ -13,20 +13,20 @@
 # limitations under the License.
 
 """
-What differs between runs: the spread of the wheels that each drive alone tells.
+What differs between sessions: the spread of the wheels that each of them alone tells.
 
-Each drive is fitted by itself, with the reference's frame of all of them.  Its estimates of scale,
-separation and curvature scatter by their standard errors within the drive, and by what lasts a
-run.  The variance between runs is what their scatter has beyond the standard errors: that for
-which the squared deviations, each over the sum of both variances, add up to one less than the
-runs (Paule & Mandel 1982, J. Res. NBS 87(5)); 0 where the standard errors explain it all.
+Each session, of one drive or several, is fitted by itself, with the reference's frame of all of
+them.  Its estimates of scale, separation and curvature scatter by their standard errors within the
+session, and by what lasts one.  The variance between sessions is what their scatter has beyond the
+standard errors: that for which the squared deviations, each over the sum of both variances, add up
+to one less than the sessions (Paule & Mandel 1982, J. Res. NBS 87(5)); 0 where the standard errors
+explain it all.
 """
 
 import math
 from typing import List, NamedTuple, Optional, Sequence, Tuple
 
 from diffdrive_kinematics.core.calibration.calibration_parameters import NAMES, WHEELS
-from diffdrive_kinematics.core.calibration.clock_choice import drift_pays
 from diffdrive_kinematics.core.calibration.estimate import Estimate
 from diffdrive_kinematics.core.calibration.fit_setup import Clock
 from diffdrive_kinematics.core.calibration.recorded_drive import RecordedDrive
@@ -37,15 +37,15 @@ from diffdrive_kinematics.core.kinematics import WheelGeometry
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-__all__ = ['FEWEST_RUNS', 'SessionFit', 'fit_sessions', 'spread_between']
+__all__ = ['SessionFit', 'fit_sessions', 'spread_between']
 
-FEWEST_RUNS = 3
+FEWEST = 3
 HALVINGS = 100
 
 
 class SessionFit(NamedTuple):
     """
-    Standard deviations, between runs, of what lasts a run.
+    Standard deviations, between sessions, of what lasts one.
 
     Parameters
     ----------
@@ -55,12 +55,12 @@ class SessionFit(NamedTuple):
         Of the fraction of the separation [1].
     curvature : Estimate
         Of the heading gained per metre [rad/m].
-    runs : int
-        From how many drives.
+    sessions : int
+        From how many.
 
     Examples
     --------
-    >>> SessionFit(None, Estimate(0.003, 0.001), Estimate(0.0, 0.001), runs=5).separation.value
+    >>> SessionFit(None, Estimate(0.003, 0.001), Estimate(0.0, 0.001), sessions=5).separation.value
     0.003
 
     """
@@ -68,19 +68,19 @@ class SessionFit(NamedTuple):
     scale: Optional[Estimate]
     separation: Estimate
     curvature: Estimate
-    runs: int
+    sessions: int
 
 
 def spread_between(values: ArrayLike, errors: ArrayLike) -> Estimate:
     """
-    Return the standard deviation of what runs scatter beyond their standard errors.
+    Return the standard deviation of what estimates scatter beyond their standard errors.
 
     Parameters
     ----------
     values : array_like, shape (n,)
-        What each run tells, n >= 2.
+        Estimates, n >= 2.
     errors : array_like, shape (n,)
-        Its standard errors.
+        Their standard errors.
 
     Returns
     -------
@@ -90,7 +90,7 @@ def spread_between(values: ArrayLike, errors: ArrayLike) -> Estimate:
 
     Examples
     --------
-    Runs that scatter by 0.1 in all, 0.06 of which are the errors of each:
+    They scatter by 0.1 in all, 0.06 of which are the errors of each:
 
     >>> round(spread_between([0.9, 1.0, 1.1], [0.06, 0.06, 0.06]).value, 6)
     0.08
@@ -123,31 +123,31 @@ def spread_between(values: ArrayLike, errors: ArrayLike) -> Estimate:
 
 
 def fit_sessions(
-        geometry: WheelGeometry, drives: Sequence[RecordedDrive], fit: TrajectoryFit, *,
-        clock: Clock, mean_radius: bool = True, windows: Windows = Windows()
+        geometry: WheelGeometry, sessions: Sequence[Sequence[RecordedDrive]],
+        fit: TrajectoryFit, *, clock: Clock, mean_radius: bool = True, windows: Windows = Windows()
 ) -> Optional[SessionFit]:
     """
-    Return by how much the wheels differ between drives.
+    Return by how much the wheels differ between sessions.
 
     Parameters
     ----------
     geometry : WheelGeometry
         Geometry that the fit started from.
-    drives : sequence of RecordedDrive
-        The fitted drives, each of a run of its own.
+    sessions : sequence of sequence of RecordedDrive
+        The drives of each.
     fit : TrajectoryFit
-        Fit of all of them.
+        Fit of all of them: its frame of the reference is kept, its wheels are where to start.
     clock, mean_radius, windows : as there
         As :func:`.fit_trajectory` had them.
 
     Returns
     -------
     SessionFit or None
-        None where fewer than three drives tell the wheels by themselves.
+        None where fewer than three tell the wheels by themselves.
 
     Examples
     --------
-    One drive says nothing about others:
+    One session says nothing about others:
 
     >>> from dataclasses import replace
     >>> from diffdrive_kinematics.core.calibration import (
@@ -158,25 +158,22 @@ def fit_sessions(
     >>> truth = odometry_at(geometry, bare, CalibrationParameters())
     >>> drives = [replace(bare, reference=truth)]
     >>> fit = fit_trajectory(geometry, drives, frame=NO_FRAME, clock=Clock.NONE)
-    >>> fit_sessions(geometry, drives, fit, clock=Clock.NONE) is None
+    >>> fit_sessions(geometry, [drives], fit, clock=Clock.NONE) is None
     True
 
     """
-    if len(drives) < FEWEST_RUNS:
+    if len(sessions) < FEWEST:
         return None
     after, found = fit.corrected(geometry), []
-    for number, drive in enumerate(drives):
-        of_drive = clock
-        if clock is Clock.AUTO:
-            of_drive = Clock.DRIFTS if drift_pays(fit.drift_ratios[number]) else Clock.OFFSETS
+    for drives in sessions:
         try:
             alone = fit_trajectory(
-                after, [drive], clock=of_drive, mean_radius=mean_radius, frame=fit.frame,
+                after, drives, clock=clock, mean_radius=mean_radius, frame=fit.frame,
                 windows=windows)
-        except ValueError:  # it does not tell the wheels by itself
+        except ValueError:  # they do not tell the wheels by themselves
             continue
         found.append(_deviation(after, alone))
-    if len(found) < FEWEST_RUNS:
+    if len(found) < FEWEST:
         return None
     scale, separation, curvature = (
         spread_between(values, errors) for values, errors in np.swapaxes(found, 0, 2))
@@ -184,7 +181,7 @@ def fit_sessions(
 
 
 def _deviation(geometry: WheelGeometry, fit: TrajectoryFit) -> Tuple[List[float], List[float]]:
-    """Return scale, separation and curvature of a run, and their standard errors."""
+    """Return scale, separation and curvature of a session, and their standard errors."""
     left, right, separation = (getattr(fit, NAMES[field]).value for field in WHEELS)
     scale, by_turn = 0.5 * (left + right), 1.0 / geometry.separation
     values = [scale - 1.0, separation - 1.0, by_turn * (right - left) / (scale * separation)]

@@ -56,13 +56,14 @@ def drives_of(spread, seed, runs=RUNS):
 
 def fitted(drives, clock=Clock.OFFSETS, mean_radius=True):
     fit = fit_trajectory(GEOMETRY, drives, clock=clock, mean_radius=mean_radius)
-    return fit_sessions(GEOMETRY, drives, fit, clock=clock, mean_radius=mean_radius)
+    return fit_sessions(
+        GEOMETRY, [[each] for each in drives], fit, clock=clock, mean_radius=mean_radius)
 
 
 @pytest.mark.parametrize('seed', rest_slow([1, 2, 3]))
 def test_the_spread_of_sessions_is_found_within_its_chi_square_bounds(seed):
     found, (low, high) = fitted(drives_of(SPREAD, seed)), chi_square_bounds(RUNS - 1)
-    assert found.runs == RUNS
+    assert found.sessions == RUNS
     for name in ('scale', 'separation', 'curvature'):
         spread, true = getattr(found, name), getattr(SPREAD, name)
         assert low * true**2 - WITHIN**2 < spread.value**2 < high * (true**2 + WITHIN**2)
@@ -88,7 +89,7 @@ def test_without_a_fitted_mean_radius_there_is_no_scale():
 
 
 def test_clocks_that_are_chosen_for_all_are_those_of_each():
-    assert fitted(drives_of(SPREAD, 6, 3), Clock.AUTO).runs == 3
+    assert fitted(drives_of(SPREAD, 6, 3), Clock.AUTO).sessions == 3
 
 
 def test_fewer_than_three_drives_that_tell_the_wheels_say_nothing():
@@ -96,7 +97,20 @@ def test_fewer_than_three_drives_that_tell_the_wheels_say_nothing():
     assert fitted(drives[:2]) is None
     still = replace(drives[2], angles=np.outer(drives[2].angles[:, 0], [1.0, 1.0]))
     fit = fit_trajectory(GEOMETRY, drives)
-    assert fit_sessions(GEOMETRY, [*drives[:2], still], fit, clock=Clock.OFFSETS) is None
+    assert fit_sessions(
+        GEOMETRY, [[each] for each in (*drives[:2], still)], fit, clock=Clock.OFFSETS) is None
+
+
+def test_drives_of_one_session_are_fitted_together():
+    sessions = [drives_of(SessionSpread(), 10 + number, 2) for number in range(3)]
+    sessions[2] = [drive(90 + n, Truth(separation=1.1 * Truth().separation), seconds=60.0)
+                   for n in range(2)]
+    drives = [each for session in sessions for each in session]
+    fit = fit_trajectory(GEOMETRY, drives)
+    found = fit_sessions(GEOMETRY, sessions, fit, clock=Clock.OFFSETS)
+    assert found.sessions == 3
+    assert found.separation.value == pytest.approx(0.1 / math.sqrt(3.0), rel=0.1)
+    assert found.scale.value < WITHIN and found.curvature.value < WITHIN
 
 
 def test_the_spread_of_unequal_errors_is_unbiased_and_knows_its_error():
