@@ -14,10 +14,11 @@
 
 """``calibrate``: a robot's systematic errors and slip, from files or live topics, into a YAML."""
 
+from contextlib import nullcontext
 from dataclasses import dataclass, replace
 import signal
 import sys
-from typing import Any, List, Mapping
+from typing import Any, List, Mapping, Optional
 
 from diffdrive_kinematics.core.kinematics import WheelGeometry
 from diffdrive_kinematics.ros.inputs.wheel_watch import WheelWatch
@@ -79,8 +80,9 @@ def build(values: Mapping[str, Any]) -> Config:
 class Calibrate(DiffDriveNode[Config]):
     """Collects wheel motion and reference poses until it is told to finish."""
 
-    def __init__(self, stop: Stop, name: str = 'calibrate', **composition: Any) -> None:
-        super().__init__(name, CALIBRATE, build, **composition)
+    def __init__(
+            self, name: str = 'calibrate', *, stop: Optional[Stop] = None, **parts: Any) -> None:
+        super().__init__(name, CALIBRATE, build, **parts)
         self._stop = stop
         self.collection = Collection()
         self.written = ''
@@ -147,7 +149,7 @@ class Calibrate(DiffDriveNode[Config]):
             response.success, response.message = True, self.written
             return response
         try:
-            with self._stop.interrupting():
+            with self._stop.interrupting() if self._stop else nullcontext():
                 response.message = self.finish()
         except Interrupted:
             response.message, self.done = INTERRUPTED, True
@@ -199,15 +201,13 @@ def conclude(
         calibration: Calibration, files: Mapping[str, bytes], values: Mapping[str, Any]) -> str:
     """Print the table, write the files, and return a line that names them."""
     report(table(calibration))
-    written = f"wrote {', '.join(write_files(files, overwrite=values['overwrite']))}"
-    report(written)
+    report(written := f"wrote {', '.join(write_files(files, overwrite=values['overwrite']))}")
     return written
 
 
 def work(stop: Stop) -> int:
     """Calibrate; return the exit status."""
-    timers = SteadyTimers()
-    node = Calibrate(stop, timers=timers)
+    node = Calibrate(stop=stop, timers=(timers := SteadyTimers()))
     values = node.config.values
     try:
         if not (values['square_runs'] or values['recordings']):

@@ -15,10 +15,8 @@
 """Whatever a message or a parameter says, nothing leaves a node, and odometry stays finite."""
 
 from collections import Counter
-from contextlib import nullcontext
 import math
 import re
-from types import SimpleNamespace
 
 from builtin_interfaces.msg import Time
 from diffdrive_kinematics.core.kinematics import advance, Pose
@@ -282,7 +280,7 @@ def test_no_belief_takes_the_ground_truth_down_and_its_transforms_stay_finite():
 
 def listening(**shared):
     """Return a calibration that listens to topics."""
-    node = calibrate.Calibrate(SimpleNamespace(interrupting=nullcontext), **shared)
+    node = calibrate.Calibrate(**shared)
     node.listen()
     return node
 
