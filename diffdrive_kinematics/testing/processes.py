@@ -15,20 +15,18 @@
 """Processes under test: started, watched, and ended whatever happens."""
 
 import os
-from pathlib import Path
-import re
 import signal
 import subprocess
 import tempfile
 from typing import Dict, Mapping, Optional, Sequence, Set
 
 from diffdrive_kinematics.testing.at_rest import can_tell, Threads
+from diffdrive_kinematics.testing.guardian import shared_memory_of
 
 __all__ = ['Process', 'ProcessFailed']
 
 PATIENCE_S = 3.0
 LINES = 40
-SHARED_MEMORY = re.compile(r'/dev/shm/\S*fast(?:dds|rtps)_\S+')
 
 
 class ProcessFailed(AssertionError):
@@ -117,7 +115,7 @@ class Process:
             self.threads.close()
 
     def _end(self, number: int) -> bool:
-        self._note_shared_memory()
+        self.note_shared_memory()
         if self.running:
             self._signal(number)
         try:
@@ -132,13 +130,10 @@ class Process:
         except ProcessLookupError:
             pass
 
-    def _note_shared_memory(self) -> None:
-        """Note what a process that is killed leaves behind of Fast DDS."""
-        try:
-            maps = Path(f'/proc/{self._popen.pid}/maps').read_text()
-        except OSError:
-            return
-        self.shared_memory.update(SHARED_MEMORY.findall(maps))
+    def note_shared_memory(self) -> Set[str]:
+        """Note, and return, what it leaves behind of Fast DDS where it is killed."""
+        self.shared_memory |= shared_memory_of(self.pid)
+        return self.shared_memory
 
 
 def environment_of(domain: int) -> Dict[str, str]:

@@ -19,6 +19,7 @@ from pathlib import Path
 from typing import Any, Callable, List, Mapping, Optional, Sequence, Union
 
 from diffdrive_kinematics.testing.composition import composition
+from diffdrive_kinematics.testing.guardian import Guardian
 from diffdrive_kinematics.testing.messages import Recorded
 from diffdrive_kinematics.testing.nodes import RobotNodes, State, topic_of
 from diffdrive_kinematics.testing.processes import environment_of, Process
@@ -58,6 +59,7 @@ class Robot:
         self._publishers: 'dict[str, Any]' = {}
         self._processes: List[Process] = []
         self._nodes = RobotNodes(made)
+        self._guardian = Guardian()
         self._observer, self._messages = self._nodes.observer, self._nodes.messages
         self.domain = self._nodes.domain
         self._stepping = Stepping(
@@ -203,7 +205,10 @@ class Robot:
             name=' '.join(Path(str(part)).name for part in command), lockstep=lockstep,
             restless=restless)
         self._processes.append(process)
+        self._guardian.guard(process.pid)
         self._stepping.begin(process)
+        self._guardian.sweep(process.note_shared_memory())
+        self._guardian.note_own()  # it shares more with each process
         return process
 
     def drop(self, topic: str, share: float, *, seed: int = 0) -> None:
@@ -232,10 +237,10 @@ class Robot:
         """End everything."""
         for process in self._processes:
             process.close()
+            self._guardian.release(process.pid, process.shared_memory)
         self._stepping.close()
         self._nodes.close()
-        for path in {each for process in self._processes for each in process.shared_memory}:
-            Path(path).unlink(missing_ok=True)  # nobody else was in this domain
+        self._guardian.close()
 
     def _steps(self, seconds: float) -> int:
         steps = round(seconds * 1e9 / self._stepping.step_ns)

@@ -157,22 +157,6 @@ def test_robots_of_one_test_do_not_hear_each_other(diffdrive):
     assert one.odom.x > 0.05 and other.odom.x == 0.0
 
 
-@pytest.mark.parametrize('end', ['fails', 'is interrupted'])
-def test_a_test_that_does_not_pass_leaves_no_process(files, end):
-    last = 'assert False' if end == 'fails' else 'os.kill(os.getpid(), signal.SIGINT)'
-    (files / 'test_it.py').write_text(
-        'import os\nimport signal\nimport sys\n\n\ndef test_it(diffdrive):\n'
-        f'    robot = diffdrive(params={ROBOT!r})\n'
-        "    process = robot.start_process([sys.executable, 'my_planner.py'])\n"
-        "    open('pid', 'w').write(str(process.pid))\n"
-        f'    {last}\n')
-    run = subprocess.run(
-        [sys.executable, '-m', 'pytest', '-q', '-p', 'diffdrive_kinematics.testing.plugin',
-         'test_it.py'], cwd=files, capture_output=True, text=True)
-    assert run.returncode in (1, 2), run.stdout + run.stderr
-    assert not Path(f"/proc/{(files / 'pid').read_text()}").exists()
-
-
 def test_what_nobody_listens_to_is_said(diffdrive, monkeypatch):
     from diffdrive_kinematics.testing import robot as module
     monkeypatch.setattr(module, 'HEARD_S', 0.3)

@@ -1,0 +1,102 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Tests of users do not hear each other, and leave nothing behind, however they end."""
+
+from pathlib import Path
+import signal
+import subprocess
+import sys
+import time
+
+import pytest
+from support.planners import ROBOT
+
+pytestmark = [pytest.mark.ros, pytest.mark.slow]
+
+DEADLINE_S = 30.0
+WORKERS = 4
+TALK = f"""
+import sys
+
+import pytest
+from std_msgs.msg import Float64
+
+
+@pytest.mark.parametrize('number', range({2 * WORKERS}))
+def test_it_hears_only_itself(diffdrive, number):
+    robot = diffdrive(params={ROBOT!r})
+    robot.start_process([sys.executable, 'my_planner.py'])
+    robot.listen(Float64, 'number')
+    robot.publish('number', Float64(data=float(number)))
+    robot.advance(1.0)
+    assert [each.message.data for each in robot.history('number')] == [number]
+    assert len(robot.history('cmd_vel')) == 50  # of its own planner, one in a step
+    for topic in ('odom', 'ground_truth', 'wheel_rates'):
+        times = [each.time for each in robot.history(topic)]
+        assert len(times) == len(set(times))
+"""
+END = """
+import os
+from pathlib import Path
+import signal
+import sys
+
+from diffdrive_kinematics.testing.guardian import shared_memory_of
+
+
+def test_it(diffdrive):
+    robot = diffdrive(params={robot!r})
+    process = robot.start_process([sys.executable, 'my_planner.py'])
+    robot.advance(0.1)
+    used = shared_memory_of(process.pid) | shared_memory_of(os.getpid())
+    assert used
+    Path('used').write_text('\\n'.join(sorted(used)))
+    Path('pid').write_text(str(process.pid))
+    {last}
+"""
+ENDS = {
+    'fails': 'assert False', 'is interrupted': 'os.kill(os.getpid(), signal.SIGINT)',
+    'is killed': 'os.kill(os.getpid(), signal.SIGKILL)'}
+
+
+def run_pytest(directory, *arguments):
+    """Run the tests of a user, and return what came of it."""
+    return subprocess.run(
+        [sys.executable, '-m', 'pytest', '-q', '-p', 'diffdrive_kinematics.testing.plugin',
+         *arguments], cwd=directory, capture_output=True, text=True)
+
+
+def test_tests_side_by_side_do_not_hear_each_other(files):
+    (files / 'test_it.py').write_text(TALK)
+    run = run_pytest(files, '-n', str(WORKERS), 'test_it.py')
+    assert f'{2 * WORKERS} passed' in run.stdout, run.stdout + run.stderr
+
+
+def left_of(directory):
+    """Return what is left of the process of a test and of its shared memory."""
+    files = [Path(f"/proc/{(directory / 'pid').read_text()}"),
+             *map(Path, (directory / 'used').read_text().split('\n'))]
+    return [each for each in files if each.exists()]
+
+
+@pytest.mark.parametrize('workers', [[], ['-n', '1']], ids=['alone', 'in a worker'])
+@pytest.mark.parametrize('end', ENDS)
+def test_a_test_leaves_nothing_behind_when_it(files, end, workers):
+    (files / 'test_it.py').write_text(END.format(robot=ROBOT, last=ENDS[end]))
+    run = run_pytest(files, *workers, 'test_it.py')
+    assert run.returncode in (1, 2, -signal.SIGKILL), run.stdout + run.stderr
+    deadline = time.monotonic() + DEADLINE_S
+    while left_of(files):
+        assert time.monotonic() < deadline, left_of(files)
