@@ -26,7 +26,7 @@ from diffdrive_kinematics.tools.bags import is_bag
 from diffdrive_kinematics.tools.collection import Collection
 from diffdrive_kinematics.tools.plausible import check_stamps, check_units
 from diffdrive_kinematics.tools.recordings import (
-    COMMAND_COLUMNS, Header, nobody, read_chosen, read_columns)
+    check_columns, COMMAND_COLUMNS, Header, nobody, read_chosen, read_columns)
 import numpy as np
 from numpy.typing import NDArray
 
@@ -172,7 +172,7 @@ def _read_motion(path: str, reference: str, progress: Progress) -> _Motion:
 
     def chosen(header: Header) -> Sequence[str]:
         columns = MOTIONS[_kind_of(path, header)]
-        _check_there(path, header, more)
+        check_columns(path, header, more)
         return *columns, *more
 
     header, rows = read_chosen(path, chosen, progress)
@@ -195,16 +195,10 @@ def _kind_of(path: str, header: Header) -> str:
 def _read_reference(path: str, progress: Progress) -> Array:
     """Return the reference of a CSV file: time, x, y, yaw."""
     def chosen(header: Header) -> Sequence[str]:
-        _check_there(path, header, REFERENCE_COLUMNS)
+        check_columns(path, header, REFERENCE_COLUMNS)
         return REFERENCE_COLUMNS
 
     return _rows(path, read_chosen(path, chosen, progress)[1], REFERENCE_COLUMNS)
-
-
-def _check_there(path: str, header: Header, columns: Sequence[str]) -> None:
-    missing = [name for name in columns if name not in header]
-    if missing:
-        raise ValueError(f'{path} has the columns {list(header)!r}, expected also {missing!r}')
 
 
 def _drive(

@@ -26,7 +26,8 @@ import zlib
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ['COMMAND_COLUMNS', 'Header', 'nobody', 'read_chosen', 'read_columns']
+__all__ = [
+    'COMMAND_COLUMNS', 'Header', 'check_columns', 'nobody', 'read_chosen', 'read_columns']
 
 COMMAND_COLUMNS = ('time_sec', 'linear_x', 'angular_z')
 PROGRESS_ROWS = 4096
@@ -50,13 +51,17 @@ def read_columns(path: str, columns: Sequence[str]) -> List[Tuple[float, ...]]:
 
     """
     def chosen(header: Header) -> Sequence[str]:
-        missing = [name for name in columns if name not in header]
-        if missing:
-            raise ValueError(
-                f'{path} has the columns {list(header)!r}, expected also {missing!r}')
+        check_columns(path, header, columns)
         return columns
 
     return [tuple(row) for row in read_chosen(path, chosen)[1].tolist()]
+
+
+def check_columns(path: str, header: Header, columns: Sequence[str]) -> None:
+    """Raise ``ValueError`` where the header of a file lacks columns."""
+    missing = [name for name in columns if name not in header]
+    if missing:
+        raise ValueError(f'{path} has the columns {list(header)!r}, expected also {missing!r}')
 
 
 def read_chosen(

@@ -23,13 +23,13 @@ from rclpy.exceptions import InvalidTopicNameException
 from rclpy.validate_topic_name import validate_topic_name
 
 __all__ = [
-    'Check', 'check_bias', 'check_concentration', 'check_count', 'check_description',
-    'check_diagonal', 'check_frame', 'check_gear_ratio', 'check_horizon', 'check_joint_names',
-    'check_named', 'check_offset', 'check_one_of', 'check_optional_picture',
+    'Check', 'check_bias', 'check_count', 'check_description', 'check_diagonal', 'check_frame',
+    'check_gear_ratio', 'check_horizon', 'check_joint_names', 'check_named',
+    'check_non_negative_or_nan', 'check_offset', 'check_one_of', 'check_optional_picture',
     'check_optional_seed', 'check_optional_topic', 'check_picture', 'check_port', 'check_pose',
     'check_positive_or_nan', 'check_prefix', 'check_radius_multiplier', 'check_range',
     'check_rate_or_off', 'check_recording', 'check_resolution', 'check_rounds', 'check_seed',
-    'check_stages', 'check_step', 'check_topic', 'check_wheel_base', 'check_window']
+    'check_stages', 'check_step', 'check_topic', 'check_window']
 
 Check = Callable[[str, Any], Any]
 MOST, MOST_STAGES, MOST_IN_WINDOW, MOST_ROUNDS = 100_000, 25, 1000, 1000
@@ -56,7 +56,8 @@ def check_optional_seed(name: str, value: int) -> None:
         raise ValueError(f'{name} is {value!r}, expected an integer, -1 or above')
 
 
-def check_concentration(name: str, value: float) -> None:
+def check_non_negative_or_nan(name: str, value: float) -> None:
+    """Raise unless the value is 0 or above, or NaN: it is not set."""
     if not math.isnan(value):
         check_non_negative(name, value)
 
@@ -128,11 +129,6 @@ def check_one_of(*known: str) -> Check:
 def check_description(name: str, value: str) -> None:
     if value and not value.endswith(('.urdf', '.yaml')):
         raise ValueError(f'{name} is {value!r}, expected the name of a .urdf or .yaml file')
-
-
-def check_wheel_base(name: str, value: float) -> None:
-    if not math.isnan(value):
-        check_non_negative(name, value)
 
 
 def check_resolution(name: str, value: float) -> None:

@@ -20,7 +20,7 @@ from diffdrive_kinematics.core.kinematics import check_non_negative, check_posit
 from diffdrive_kinematics.core.noise import (
     check_distribution, check_session_fraction, DISTRIBUTIONS)
 from diffdrive_kinematics.ros.parameters.parameter_checks import (
-    check_bias, check_concentration, check_gear_ratio, check_joint_names, check_one_of,
+    check_bias, check_gear_ratio, check_joint_names, check_non_negative_or_nan, check_one_of,
     check_pose, check_radius_multiplier, check_range, check_rate_or_off)
 from diffdrive_kinematics.ros.parameters.parameter_spec import Kind, ParameterSpec as Spec
 
@@ -113,7 +113,7 @@ START = (
     Spec('initial_heading_concentration', math.nan, 'Concentration kappa of the von Mises '
          'density of the yaw at the start around that of initial_pose, about 1 / variance '
          '[1/rad^2]. NaN: the yaw is known.',
-         check=check_concentration, read_only=True))
+         check=check_non_negative_or_nan, read_only=True))
 
 SQUARE = (
     Spec('square_side', 0.0, 'Length [m] of the sides of the square of UMBmark. 0: there is no '

@@ -19,9 +19,9 @@ import math
 
 from diffdrive_kinematics.core.kinematics import check_non_negative, check_positive
 from diffdrive_kinematics.ros.parameters.parameter_checks import (
-    check_count, check_description, check_frame, check_named, check_one_of,
-    check_optional_picture, check_picture, check_positive_or_nan, check_recording, check_seed,
-    check_stages, check_step, check_wheel_base)
+    check_count, check_description, check_frame, check_named, check_non_negative_or_nan,
+    check_one_of, check_optional_picture, check_picture, check_positive_or_nan,
+    check_recording, check_seed, check_stages, check_step)
 from diffdrive_kinematics.ros.parameters.parameter_spec import (
     Kind, ParameterSpec as Spec, string, topic)
 from diffdrive_kinematics.ros.parameters.tables.shared import (
@@ -121,7 +121,7 @@ ROBOT_DESCRIPTION = (
     string('base_frame_id', 'base_link', 'Link on the ground between the wheels.', check_frame),
     Spec('wheel_base', math.nan, 'Distance [m] from the first to the last wheel of a side; '
          'wheels are listed from front to rear. NaN: 2.5 radii for each wheel.',
-         check=check_wheel_base),
+         check=check_non_negative_or_nan),
     Spec('wheel_width', math.nan, 'Width [m] of the wheels, above 0. NaN: half a radius.',
          check=check_positive_or_nan),
     string('output', '', 'File to write instead of publishing: .urdf, or .yaml, a params file '
