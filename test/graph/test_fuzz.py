@@ -198,8 +198,7 @@ def assert_works(node, batches, change=None, examples=MESSAGES):
     overrides.update({name: value for name, value in slips.items()
                       if name in {entry.name for entry in TABLES[node]}})
     overrides.update(change or {})
-    with inside(NODES[node], overrides) as held:
-        held.node.get_logger().set_level(rclpy.logging.LoggingSeverity.FATAL)
+    with inside(NODES[node], overrides, quiet=True) as held:
         now, fed = {'ns': held.clock.now_ns()}, Counter()
 
         @fuzz(examples)
@@ -314,8 +313,7 @@ def test_nothing_that_calibrate_hears_takes_it_down_and_it_answers(tmp_path, ref
     drive = sane_drive(3 * BATCH)
     with inside(listening, {
             **KHEPERA, 'output': str(tmp_path / 'found.yaml'), 'overwrite': True,
-            'reference_type': reference}) as held:
-        held.node.get_logger().set_level(rclpy.logging.LoggingSeverity.FATAL)
+            'reference_type': reference}, quiet=True) as held:
         finish = next(service.callback for service in held.node.services
                       if service.srv_name.endswith('/finish'))
         answers = Counter()
@@ -361,8 +359,7 @@ def test_no_odometry_or_wheel_motion_takes_the_projection_down(monkeypatch):
 def test_no_parameter_at_run_time_takes_a_node_down_or_spoils_its_geometry(node):
     own = {entry.name for entry in TABLES[node]}
     needed = {name: value for name, value in KHEPERA.items() if name in own}
-    with inside(NODES[node], needed) as held:
-        held.node.get_logger().set_level(rclpy.logging.LoggingSeverity.FATAL)
+    with inside(NODES[node], needed, quiet=True) as held:
         outcomes = Counter()
 
         @fuzz(150)

@@ -24,6 +24,7 @@ from contextlib import contextmanager
 from diffdrive_kinematics.ros.runtime.clocks import SteppedClock
 from diffdrive_kinematics.ros.runtime.in_flight_messages import InFlightMessages
 import rclpy
+from rclpy.logging import LoggingSeverity
 from rclpy.serialization import serialize_message
 from rclpy.signals import SignalHandlerOptions
 from support.domains import own_domain
@@ -85,11 +86,15 @@ def initialised(parameters=None, args=None):
 
 
 @contextmanager
-def inside(make, parameters=None, *, name=None, args=None):
-    """Yield a node in a context and a domain of its own."""
+def inside(make, parameters=None, *, name=None, args=None, quiet=False):
+    """Yield a node in a context and a domain of its own; a ``quiet`` one logs nothing."""
     with initialised(parameters, args):
         held = Inside(make, name)
+        logger = held.node.get_logger()
         try:
+            if quiet:
+                logger.set_level(LoggingSeverity.FATAL)
             yield held
         finally:
+            logger.set_level(LoggingSeverity.UNSET)  # else it is that of all nodes of the name
             held.node.destroy_node()
