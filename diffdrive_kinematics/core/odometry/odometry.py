@@ -23,7 +23,8 @@ from typing import Optional, Tuple
 
 from diffdrive_kinematics.core.kinematics import (
     check_non_negative, is_sane, LARGEST, Pose, twist_from_wheel_rates, WheelGeometry)
-from diffdrive_kinematics.core.noise import gaussian_moments, NO_COVARIANCE, PoseCovariance
+from diffdrive_kinematics.core.noise import (
+    BodySlip, gaussian_moments, NO_BODY_SLIP, NO_COVARIANCE, PoseCovariance)
 from diffdrive_kinematics.core.odometry.anchor import Anchor
 from diffdrive_kinematics.core.odometry.measured_wheels import MeasuredWheels
 from diffdrive_kinematics.core.odometry.odometry_state import OdometryState
@@ -60,8 +61,7 @@ class Odometry(OdometryState):
 
     Half a second later it gets wheels of twice the size, and at 3 s it is put elsewhere:
 
-    >>> odometry = odometry.configured(
-    ...     WheelGeometry(0.5, wheel_radius=0.25), timeout_ns=None, now_ns=2_500_000_000)
+    >>> odometry = odometry.configured(WheelGeometry(0.5, 0.25), None, now_ns=2_500_000_000)
     >>> odometry = odometry.set_pose(Pose(0.0, 3.0, 0.0), NO_COVARIANCE, now_ns=3_000_000_000)
     >>> state = odometry.predict(4_000_000_000)
     >>> state.pose, state.angles
@@ -75,8 +75,8 @@ class Odometry(OdometryState):
     def starting_at(
             pose: Pose, *, geometry: WheelGeometry, timeout_ns: Optional[int],
             slip_variances: WheelPair = ZERO, covariance: PoseCovariance = NO_COVARIANCE,
-            max_rate: float = math.inf, unmeasured: MeasuredWheels = MeasuredWheels()
-    ) -> 'Odometry':
+            max_rate: float = math.inf, unmeasured: MeasuredWheels = MeasuredWheels(),
+            body_slip: BodySlip = NO_BODY_SLIP) -> 'Odometry':
         """
         Return the odometry of a base that stands at a pose with wheel angles 0.
 
@@ -96,6 +96,8 @@ class Odometry(OdometryState):
             Wheel rate [rad/s] above which an increment of a driver's positions is no motion.
         unmeasured : MeasuredWheels
             How positions of a driver are followed.
+        body_slip : BodySlip
+            What slips beside the wheels.
 
         Returns
         -------
@@ -112,10 +114,10 @@ class Odometry(OdometryState):
         See :class:`Odometry`.
 
         """
-        _check_slip(slip_variances)
-        anchor = Anchor.at(pose, gaussian_moments(covariance))
-        return Odometry(geometry, slip_variances, anchor, WheelTrack(
-            timeout_ns, max_rate, unmeasured, clock=SenderClock(tolerance_of(timeout_ns))))
+        slip, anchor = _check_slip(slip_variances), Anchor.at(pose, gaussian_moments(covariance))
+        clock = SenderClock(tolerance_of(timeout_ns))
+        wheels = WheelTrack(timeout_ns, max_rate, unmeasured, clock=clock)
+        return Odometry(geometry, slip, anchor, wheels, body_slip)
 
     def update(self, sample: WheelSample, now_ns: int) -> Tuple['Odometry', Verdict]:
         """
@@ -147,9 +149,8 @@ class Odometry(OdometryState):
         """
         geometry, anchor = self.geometry, self.anchor
         wheels, arcs, verdict = self.wheels.update(sample, now_ns)
-        if sample.rates is not None and (
-                verdict is not REPEATED and verdict is not OUT_OF_ORDER
-                or wheels.measured is not None):
+        if sample.rates is not None and (wheels.measured is not None or (
+                verdict is not REPEATED and verdict is not OUT_OF_ORDER)):
             if not is_sane(*twist_from_wheel_rates(geometry, *sample.rates)):
                 raise _absurd('velocity', sample.rates)
         for angle in arcs:
@@ -245,6 +246,5 @@ def _absurd(name: str, wheels: WheelPair) -> ValueError:
 
 
 def _check_slip(slip_variances: WheelPair) -> WheelPair:
-    left, right = slip_variances
-    return (check_non_negative('left slip variance', left),
-            check_non_negative('right slip variance', right))
+    return (check_non_negative('left slip variance', slip_variances[0]),
+            check_non_negative('right slip variance', slip_variances[1]))

@@ -153,7 +153,9 @@ def test_slip_of_the_body_counts_along_the_path_whatever_messages_it_came_by(sli
     body = BodySlip(1e-4, 1e-3, 2e-4)
     repeats = [WheelSample(stamp, rates) for (begin, rates), (end, _) in zip(
         LEGS, [*LEGS[1:], (END, None)]) for stamp in range(begin, end, every)]
-    odometry = fed(PLAIN._replace(slip_variances=slip, body_slip=body), repeats)
+    odometry = fed(Odometry.starting_at(
+        PLAIN.predict(0).pose, geometry=GEOMETRY, timeout_ns=S, slip_variances=slip,
+        body_slip=body), repeats)
     assert_same(odometry.covariance_at(END), along(LEGS, END, slip, body=body))
     assert_same(odometry.configured(GEOMETRY, S, END).covariance_at(END),
                 along(LEGS, END, slip, body=body))
