@@ -16,15 +16,20 @@
 
 from dataclasses import dataclass, replace
 import math
-from typing import Any, Mapping
+from typing import Any, Mapping, Optional
 
+from diffdrive_kinematics.core.commands import Twist
+from diffdrive_kinematics.core.kinematics import (
+    NANOSECONDS, twist_from_wheel_rates, wheel_rates_from_twist)
 from diffdrive_kinematics.core.noise import draw_session, session_generator
-from diffdrive_kinematics.core.odometry import SlipStream, timeout_from_seconds
+from diffdrive_kinematics.core.odometry import (
+    AnsweredMotion, SlipStream, timeout_from_seconds, WheelPair, WheelSample)
 from diffdrive_kinematics.ros.inputs.wheel_watch import WheelWatch
 from diffdrive_kinematics.ros.messages.wheel_joints import wheel_joints
 from diffdrive_kinematics.ros.messages.wheel_messages import WheelReader, WheelWriter
 from diffdrive_kinematics.ros.parameters.from_values import (
-    body_slip, check_sides, check_wiring, session_spread, wheel_radii, wheel_slips)
+    body_slip, check_sides, check_wiring, command_response, session_spread, wheel_geometry,
+    wheel_radii, wheel_slips)
 from diffdrive_kinematics.ros.parameters.tables import WHEEL_NOISE
 from diffdrive_kinematics.ros.runtime.diagnostics import (
     heard_values, quiet, RateSample, stamp_values, Status, unheard)
@@ -40,6 +45,7 @@ class Config:
     """What the noise is set to."""
 
     stream: SlipStream
+    told: Optional[AnsweredMotion]
     values: Mapping[str, Any]
 
 
@@ -49,7 +55,8 @@ def build(values: Mapping[str, Any]) -> Config:
     check_sides(values)
     spread = session_spread(values)
     separation = values['wheel_separation'] * values['wheel_separation_multiplier']
-    for name in ('session_curvature_stddev', 'turn_slip_variance', 'heading_slip_variance'):
+    for name in ('session_curvature_stddev', 'turn_slip_variance', 'heading_slip_variance',
+                 'response_max_speed'):
         if values[name] and math.isnan(separation):
             raise ValueError(
                 f'wheel_separation is nan, expected the distance [m] between the wheels, as '
@@ -61,7 +68,21 @@ def build(values: Mapping[str, Any]) -> Config:
             separation=0.0 if math.isnan(separation) else separation,
             session=draw_session(spread, session_generator(values['seed'])) if spread else None,
             body=body_slip(values)),
-        values)
+        _told(values), values)
+
+
+def _told(values: Mapping[str, Any]) -> Optional[AnsweredMotion]:
+    """Return how the robot follows what its wheels are told; None where it does as it is told."""
+    response = command_response(values)
+    if response is None:
+        return None
+    geometry = wheel_geometry(values)
+
+    def answer(rates: WheelPair) -> WheelPair:
+        motion = response.motion_of(Twist(*twist_from_wheel_rates(geometry, *rates)))
+        return wheel_rates_from_twist(geometry, *motion)
+
+    return AnsweredMotion(answer, round(response.delay * NANOSECONDS))
 
 
 class WheelNoise(DiffDriveNode[Config]):
@@ -74,7 +95,7 @@ class WheelNoise(DiffDriveNode[Config]):
         self._reader = WheelReader(joints, encoder_range=values['encoder_range'])
         self._wheel_watch = WheelWatch(self, self._reader, values['input_topic'])
         self._wheels = WheelWriter(joints, self.source())
-        self._stream = self.config.stream
+        self._stream, self._told = self.config.stream, self.config.told
         self._seed = values['seed']
         self._generator = np.random.default_rng(self._seed)
         self._publisher = self.runtime.publish(JointState, values['output_topic'])
@@ -89,6 +110,14 @@ class WheelNoise(DiffDriveNode[Config]):
         if sample is None:
             return
         self.health.statistics.note(self.runtime.now_ns(), sample.stamp_ns)
+        if self._told is None:
+            self._pass_on(sample)
+            return
+        self._told, due = self._told.heard(sample)
+        for each in due:
+            self._pass_on(each)
+
+    def _pass_on(self, sample: WheelSample) -> None:
         self._stream, noisy, verdict = self._stream.apply(sample, self._generator)
         self.rejections.judge(verdict, self.config.values['input_topic'])
         if noisy is not None:
@@ -108,7 +137,10 @@ class WheelNoise(DiffDriveNode[Config]):
                        at_rest=motion is not None and motion.rates == (0.0, 0.0))])
 
     def _configure(self, config: Config) -> None:
-        new = config.stream
+        new, told = config.stream, config.told
+        if told is not None and self._told is not None:
+            told = told._replace(waiting=self._told.waiting, last=self._told.last)
+        self._told = told
         self._stream = replace(
             self._stream, radii=new.radii, left_slip=new.left_slip, right_slip=new.right_slip,
             timeout_ns=new.timeout_ns, session=new.session, separation=new.separation,

@@ -15,10 +15,8 @@
 """
 From velocity commands to wheel rates over time: limits, ramps, saturation and the watchdog.
 
-The drive is a value; :meth:`Drive.commanded` and :meth:`Drive.advanced` return the drive after a
-command and after the passing of time, each with the changes of the wheel rates on the way.  A
-change is stamped with the time from which it holds, computed from the stamps of the commands and
-never from the moment at which somebody asked, so timers only decide when a change is told.
+:meth:`Drive.commanded` and :meth:`Drive.advanced` return the drive after a command and after some
+time, with the changes of the wheel rates on the way, each stamped with the time of the commands.
 """
 
 from typing import List, Optional, Tuple
@@ -61,7 +59,7 @@ class Drive(DriveState):
 
     Examples
     --------
-    A command holds for half a second, as no other comes:
+    A command holds for half a second:
 
     >>> from diffdrive_kinematics.core.kinematics import WheelGeometry
     >>> settings = DriveSettings(WheelGeometry(0.5, 0.125), cmd_vel_timeout=0.5)
@@ -117,9 +115,11 @@ class Drive(DriveState):
                 f'the command (linear.x, angular.z) is {tuple(target)!r}, expected finite '
                 f'numbers that give wheel rates within +-{LARGEST:g} rad/s')
         drive, changes = self.advanced(stamp_ns)
-        timeout = drive.settings.cmd_vel_timeout
-        deadline = stamp_ns + round(timeout * NANOSECONDS) if timeout else None
-        drive = drive._replace(target=target, deadline_ns=deadline)
+        timeout_ns = round(self.settings.cmd_vel_timeout * NANOSECONDS)
+        deadline = stamp_ns + timeout_ns if self.settings.cmd_vel_timeout else None
+        target, reached = self.settings.command_for(target)
+        drive = drive._replace(target=target, deadline_ns=deadline,
+                               limited=drive.limited + (not reached))
         if drive.step_ns is None:
             drive, change = drive._stepped(max(stamp_ns, drive.since_ns + 1))
             changes += change

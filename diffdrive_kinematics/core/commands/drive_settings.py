@@ -19,8 +19,10 @@ from functools import cached_property
 import math
 from typing import Optional
 
+from diffdrive_kinematics.core.commands.command_response import CommandFor, CommandResponse
 from diffdrive_kinematics.core.commands.limits import AxisLimits
 from diffdrive_kinematics.core.commands.saturation import wheel_bound, WheelBound
+from diffdrive_kinematics.core.commands.wheel_command import Twist
 from diffdrive_kinematics.core.kinematics import (
     check_duration, check_rate, NANOSECONDS, WheelGeometry)
 
@@ -45,6 +47,8 @@ class DriveSettings:
         Age [s] at which a command ends and the drive brakes; 0 = never.
     update_rate : float
         Rate [Hz] of the grid on which ramps step.
+    response : CommandResponse, optional
+        How the robot follows, to ask for what yields the motion wanted; None: ask for the motion.
 
     Raises
     ------
@@ -66,6 +70,7 @@ class DriveSettings:
     max_wheel_rate: float = math.nan
     cmd_vel_timeout: float = 0.5
     update_rate: float = 100.0
+    response: Optional[CommandResponse] = None
 
     def __post_init__(self) -> None:
         check_duration('cmd_vel_timeout', self.cmd_vel_timeout)
@@ -73,6 +78,28 @@ class DriveSettings:
         if self.max_wheel_rate <= 0.0:
             raise ValueError(
                 f'max_wheel_rate is {self.max_wheel_rate!r}, expected above 0, or NaN')
+
+    def command_for(self, motion: Twist) -> CommandFor:
+        """
+        Return what to ask the robot for.
+
+        Parameters
+        ----------
+        motion : Twist
+            What it is to do.
+
+        Returns
+        -------
+        CommandFor
+            The motion itself, or by the response the command that yields it.
+
+        Examples
+        --------
+        >>> DriveSettings(WheelGeometry(0.5, 0.125)).command_for(Twist(0.5, 0.0))
+        CommandFor(command=Twist(v=0.5, w=0.0), reached=True)
+
+        """
+        return self.response.command_for(motion) if self.response else CommandFor(motion, True)
 
     @cached_property
     def ramps(self) -> bool:

@@ -21,6 +21,7 @@ drivers say: their clocks, velocities, several publishers, several wheels of a s
 """
 
 from diffdrive_kinematics.core.odometry.anchor import Anchor
+from diffdrive_kinematics.core.odometry.answered_motion import AnsweredMotion
 from diffdrive_kinematics.core.odometry.base_state import BaseState
 from diffdrive_kinematics.core.odometry.encoders import Encoder, PositionTrack, wrapped_increment
 from diffdrive_kinematics.core.odometry.history import OdometryHistory
@@ -48,10 +49,11 @@ from diffdrive_kinematics.core.odometry.wheel_state import WheelState
 from diffdrive_kinematics.core.odometry.wheel_track import WheelTrack
 
 __all__ = [
-    'Anchor', 'Assembled', 'Assembly', 'BaseState', 'Disagreement', 'Encoder', 'JointMessage',
-    'JointReading', 'MeasuredWheels', 'Mismatch', 'MotionUpdate', 'Odometry', 'OdometryHistory',
-    'OdometryState', 'PositionTrack', 'REMEMBERED_NS', 'RateWindow', 'SenderClock', 'SenderClocks',
-    'SideTrack', 'SlipStream', 'Source', 'Sources', 'VelocityCheck', 'Verdict', 'WheelMotion',
-    'WheelPair', 'WheelSample', 'WheelState', 'WheelTrack', 'ZERO', 'anchored', 'baseline',
-    'is_run', 'is_silent', 'mean_of', 'rates_at', 'rolled', 'shifted', 'step_tolerance',
-    'timeout_from_seconds', 'tolerance_of', 'update_motion', 'wrapped_increment']
+    'Anchor', 'AnsweredMotion', 'Assembled', 'Assembly', 'BaseState', 'Disagreement', 'Encoder',
+    'JointMessage', 'JointReading', 'MeasuredWheels', 'Mismatch', 'MotionUpdate', 'Odometry',
+    'OdometryHistory', 'OdometryState', 'PositionTrack', 'REMEMBERED_NS', 'RateWindow',
+    'SenderClock', 'SenderClocks', 'SideTrack', 'SlipStream', 'Source', 'Sources',
+    'VelocityCheck', 'Verdict', 'WheelMotion', 'WheelPair', 'WheelSample', 'WheelState',
+    'WheelTrack', 'ZERO', 'anchored', 'baseline', 'is_run', 'is_silent', 'mean_of', 'rates_at',
+    'rolled', 'shifted', 'step_tolerance', 'timeout_from_seconds', 'tolerance_of',
+    'update_motion', 'wrapped_increment']

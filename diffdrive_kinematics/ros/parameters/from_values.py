@@ -14,17 +14,19 @@
 
 """What the values of a node's parameters amount to, as the core has it."""
 
+from dataclasses import fields
 import math
-from typing import Any, List, Mapping, Sequence, Tuple
+from typing import Any, List, Mapping, Optional, Sequence, Tuple
 
-from diffdrive_kinematics.core.commands import AxisLimits, DriveSettings
+from diffdrive_kinematics.core.commands import AxisLimits, CommandResponse, DriveSettings
 from diffdrive_kinematics.core.kinematics import Command, WheelGeometry
 from diffdrive_kinematics.core.noise import BodySlip, SessionSpread, WheelSlip
 from diffdrive_kinematics.ros.parameters.tables import LIMITS, SWITCHES
 
 __all__ = [
-    'axis_limits', 'body_slip', 'check_sides', 'check_wiring', 'commands_from', 'drive_settings',
-    'session_spread', 'wheel_geometry', 'wheel_radii', 'wheel_slips']
+    'axis_limits', 'body_slip', 'check_sides', 'check_wiring', 'command_response',
+    'commands_from', 'drive_settings', 'session_spread', 'wheel_geometry', 'wheel_radii',
+    'wheel_slips']
 
 Values = Mapping[str, Any]
 
@@ -82,7 +84,23 @@ def drive_settings(values: Values) -> DriveSettings:
     return DriveSettings(
         wheel_geometry(values), axis_limits(values, 'linear.x'),
         axis_limits(values, 'angular.z'), max_wheel_rate=values['max_wheel_rate'],
-        cmd_vel_timeout=values['cmd_vel_timeout'], update_rate=values['update_rate'])
+        cmd_vel_timeout=values['cmd_vel_timeout'], update_rate=values['update_rate'],
+        response=command_response(values) if values['use_response'] else None)
+
+
+def command_response(values: Values) -> Optional[CommandResponse]:
+    """Return how the robot of a node's values follows; None where it does as it is told."""
+    if not values['response_max_speed']:
+        if values.get('use_response'):
+            raise ValueError(
+                'use_response is True and response_max_speed 0.0, expected a response, as '
+                'calibrate writes it')
+        return None
+    numbers = {field.name: values[f'response_{field.name}'] for field in fields(CommandResponse)}
+    try:
+        return CommandResponse(**numbers)
+    except ValueError as error:
+        raise ValueError(f'response_{error}') from None
 
 
 def axis_limits(values: Values, axis: str) -> AxisLimits:

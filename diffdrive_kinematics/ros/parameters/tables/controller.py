@@ -23,7 +23,7 @@ from diffdrive_kinematics.ros.parameters.parameter_checks import (
 from diffdrive_kinematics.ros.parameters.parameter_spec import (
     Kind, ParameterSpec as Spec, string, topic)
 from diffdrive_kinematics.ros.parameters.tables.shared import (
-    DIAGNOSTICS, EXECUTOR, GEOMETRY, JOINTS)
+    DIAGNOSTICS, EXECUTOR, GEOMETRY, JOINTS, RESPONSE)
 
 LIMITS = {
     'max_velocity': 'Highest velocity [{unit}], 0 or above. NaN: no limit.',
@@ -96,4 +96,6 @@ DIFF_DRIVE_CONTROLLER = (
          'of both sides are scaled by one factor, so that the path keeps its curvature. NaN: no '
          'limit.'),
     string('base_frame_id', 'base_link', 'Frame of the limited velocity.', check_frame),
-    *_axis_entries(), DIAGNOSTICS, EXECUTOR)
+    Spec('use_response', False, 'whether to ask for the command that yields, by the response, the '
+         'motion that cmd_vel wants; limits hold for what is asked for', Kind.BOOL),
+    *RESPONSE, *_axis_entries(), DIAGNOSTICS, EXECUTOR)

@@ -16,7 +16,8 @@
 
 import math
 
-from diffdrive_kinematics.core.kinematics import check_non_negative, check_positive
+from diffdrive_kinematics.core.kinematics import (
+    check_duration, check_non_negative, check_positive)
 from diffdrive_kinematics.core.noise import (
     check_distribution, check_session_fraction, DISTRIBUTIONS)
 from diffdrive_kinematics.ros.parameters.parameter_checks import (
@@ -72,6 +73,24 @@ SEPARATION = (
          check=check_positive))
 GEOMETRY = (*SEPARATION, *RADII)
 
+RESPONSE = (
+    Spec('response_max_speed', 0.0, 'largest speed [m/s] with which the response to commands was '
+         'measured, commands beyond count as this one; 0: none, the robot does as it is told',
+         check=check_non_negative),
+    Spec('response_max_yaw_rate', 0.0, 'largest yaw rate [rad/s] of it, likewise',
+         check=check_non_negative),
+    Spec('response_speed_gain', 1.0, 'a of the speed a v s(k) that the robot drives; k: w / v',
+         check=check_positive),
+    Spec('response_yaw_rate_gain', 1.0, 'b of the yaw rate that the robot turns with, b w + d v',
+         check=check_positive),
+    Spec('response_veer', 0.0, 'd [rad/m], by how much it turns on a straight'),
+    Spec('response_turn_loss', 0.0, 'c [m] of the share s of the speed that it keeps in curves, '
+         's^n = 1 - |c k|^n, down to a tenth', check=check_non_negative),
+    Spec('response_turn_loss_order', 2, 'n, 1 or 2', Kind.INTEGER),
+    Spec('response_curvatures', [], 'values of |k| [1/m] from 0 on at which a table has factors '
+         'on s', Kind.DOUBLES),
+    Spec('response_shares', [], 'the factors', Kind.DOUBLES),
+    Spec('response_delay', 0.0, 'how late the robot follows [s]', check=check_duration))
 BIAS = (
     Spec('left_bias', 0.0, 'Fraction of its travel by which the left wheel goes further, above '
          '-1.',

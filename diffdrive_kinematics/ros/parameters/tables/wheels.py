@@ -25,8 +25,8 @@ from diffdrive_kinematics.ros.parameters.parameter_checks import (
 from diffdrive_kinematics.ros.parameters.parameter_spec import (
     Kind, ParameterSpec as Spec, string, topic)
 from diffdrive_kinematics.ros.parameters.tables.shared import (
-    BIAS, DIAGNOSTICS, DISTRIBUTION, ENCODER_RANGE, EXECUTOR, GEOMETRY, JOINTS, RADII, SEPARATION,
-    SESSION, SLIP, START)
+    BIAS, DIAGNOSTICS, DISTRIBUTION, ENCODER_RANGE, EXECUTOR, GEOMETRY, JOINTS, RADII, RESPONSE,
+    SEPARATION, SESSION, SLIP, START)
 
 WHEEL_NOISE = (
     *RADII, *JOINTS,
@@ -37,7 +37,7 @@ WHEEL_NOISE = (
     topic('input_topic', 'wheel_rates', 'Subscribes to: wheel motion as it was commanded.'),
     topic('output_topic', 'noisy_wheel_rates', 'Publishes: wheel motion with bias and slip.'),
     ENCODER_RANGE,
-    *BIAS, *SLIP, *SESSION,
+    *RESPONSE, *BIAS, *SLIP, *SESSION,
     Spec('slip_model', 'travel', 'Law of the slip. travel: the variance grows with distance, '
          'whatever the rate of messages. command: the standard deviation is in proportion to the '
          'rate of the wheel, one value is drawn for each message, *_slip_variance is the square '

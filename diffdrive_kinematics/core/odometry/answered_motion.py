@@ -1,0 +1,112 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""
+Wheel motion as a robot answers it: other rates than it was told, a delay later.
+
+What was told from a stamp on is done from the stamp plus the delay on, whenever the messages come:
+the result depends on stamps only.  A robot of which nothing is due yet rests.
+"""
+
+from typing import Callable, List, NamedTuple, Optional, Tuple
+
+from diffdrive_kinematics.core.kinematics import NANOSECONDS
+from diffdrive_kinematics.core.odometry.wheel_sample import WheelPair, WheelSample, ZERO
+
+__all__ = ['AnsweredMotion']
+
+
+class AnsweredMotion(NamedTuple):
+    """
+    What was told and is not done yet.
+
+    Parameters
+    ----------
+    answer : callable
+        Gives the rates (left, right) [rad/s] that are driven for those that were told.
+    delay_ns : int
+        How late they are driven [ns].
+    waiting : tuple of WheelSample
+        What is to be done later, in order of time.
+    last : WheelSample or None
+        What was told last.
+
+    Examples
+    --------
+    A robot that turns half as fast as told, 0.3 s later:
+
+    >>> told = AnsweredMotion(lambda rates: (0.5 * rates[0], 0.5 * rates[1]), 300_000_000)
+    >>> told, due = told.heard(WheelSample(0, (2.0, 2.0)))
+    >>> [(sample.stamp_ns, sample.rates) for sample in due]
+    [(0, (0.0, 0.0))]
+    >>> told, due = told.heard(WheelSample(500_000_000, (0.0, 0.0)))
+    >>> [(sample.stamp_ns, sample.rates) for sample in due]
+    [(300000000, (1.0, 1.0))]
+
+    """
+
+    answer: Callable[[WheelPair], WheelPair]
+    delay_ns: int
+    waiting: Tuple[WheelSample, ...] = ()
+    last: Optional[WheelSample] = None
+
+    def heard(self, sample: WheelSample) -> Tuple['AnsweredMotion', List[WheelSample]]:
+        """
+        Return the state after a message, and what is done up to its stamp.
+
+        Parameters
+        ----------
+        sample : WheelSample
+            What is told; of positions alone the rates since the message before count.
+
+        Returns
+        -------
+        told : AnsweredMotion
+            The state.
+        due : list of WheelSample
+            What is done, in order of time; where time went back, all that waited is dropped.
+
+        Examples
+        --------
+        See :class:`AnsweredMotion`.
+
+        """
+        now_ns, last = sample.stamp_ns, self.last
+        back = last is not None and now_ns < last.stamp_ns
+        waiting = () if back else self.waiting
+        told = self._told(sample, None if back else last)
+        if told is not None:
+            waiting = (*waiting, WheelSample(
+                told[0] + self.delay_ns, self.answer(told[1]), source=sample.source))
+        due = [each for each in waiting if each.stamp_ns <= now_ns]
+        if (last is None or back) and not due:
+            due = [WheelSample(now_ns, ZERO, source=sample.source)]
+            later = waiting
+        else:
+            later = tuple(each for each in waiting if each.stamp_ns > now_ns)
+        return self._replace(waiting=later, last=sample), due
+
+    @staticmethod
+    def _told(
+            sample: WheelSample, last: Optional[WheelSample]) -> Optional[Tuple[int, WheelPair]]:
+        """Return from when on which rates were told; None where that is not known."""
+        if sample.rates is not None:
+            return sample.stamp_ns, sample.rates
+        if last is None or last.positions is None or sample.positions is None:
+            return None
+        seconds = (sample.stamp_ns - last.stamp_ns) / NANOSECONDS
+        if seconds <= 0.0:
+            return None
+        return last.stamp_ns, ((sample.positions[0] - last.positions[0]) / seconds,
+                               (sample.positions[1] - last.positions[1]) / seconds)

@@ -1,0 +1,80 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""A robot that follows late and otherwise than told: by stamps alone, whenever messages come."""
+
+from diffdrive_kinematics.core.odometry import AnsweredMotion, WheelSample
+import pytest
+
+DELAY_NS, MS = 250_000_000, 1_000_000
+
+
+def doubled(rates):
+    """Return rates twice as large."""
+    return 2.0 * rates[0], 2.0 * rates[1]
+
+
+def angle_at(samples, time_ns):
+    """Return the left angle of held rates up to a time."""
+    ends = [each.stamp_ns for each in samples[1:]] + [time_ns]
+    return sum(each.rates[0] * max(0, min(end, time_ns) - each.stamp_ns) / 1e9
+               for each, end in zip(samples, ends) if each.stamp_ns < time_ns)
+
+
+def heard(period_ms, end_ms=3000, delay_ns=DELAY_NS):
+    """Return what is done of a command of 1 rad/s from 0.5 to 1.5 s, repeated at a period."""
+    told, done = AnsweredMotion(doubled, delay_ns), []
+    stamps = sorted({*range(0, end_ms + 1, period_ms), 500, 1500})
+    for stamp in stamps:
+        rate = 1.0 if 500 <= stamp < 1500 else 0.0
+        told, due = told.heard(WheelSample(stamp * MS, (rate, rate)))
+        done += due
+    return done
+
+
+@pytest.mark.parametrize('period_ms', [10, 37, 100, 499])
+def test_what_is_done_does_not_depend_on_how_often_it_is_told(period_ms):
+    done = heard(period_ms)
+    assert [each.stamp_ns for each in done] == sorted({each.stamp_ns for each in done})
+    for time_ms in range(0, 2500, 50):
+        expected = 2.0 * min(max(time_ms / 1e3 - 0.75, 0.0), 1.0)
+        assert angle_at(done, time_ms * MS) == pytest.approx(expected, abs=1e-12)
+
+
+def test_without_a_delay_it_is_done_at_once():
+    assert [each.stamp_ns for each in heard(500, delay_ns=0)] == [
+        each * MS for each in range(0, 3001, 500)]
+
+
+def test_a_robot_rests_until_something_is_due():
+    told, due = AnsweredMotion(doubled, DELAY_NS).heard(WheelSample(0, (1.0, 1.0)))
+    assert [each.rates for each in due] == [(0.0, 0.0)]
+    _, due = told.heard(WheelSample(DELAY_NS - 1, (1.0, 1.0)))
+    assert due == []
+
+
+def test_of_positions_alone_the_rates_between_them_are_done():
+    told = AnsweredMotion(doubled, DELAY_NS)
+    done = []
+    for number in range(8):
+        told, due = told.heard(WheelSample(number * 500 * MS, None, (0.5 * number, 0.0)))
+        done += due
+    assert done[1].stamp_ns == DELAY_NS and done[1].rates == (2.0, 0.0)
+
+
+def test_where_time_goes_back_what_waited_is_dropped():
+    told, _ = AnsweredMotion(doubled, DELAY_NS).heard(WheelSample(10**12, (1.0, 1.0)))
+    told, due = told.heard(WheelSample(5, (3.0, 3.0)))
+    assert [(each.stamp_ns, each.rates) for each in due] == [(5, (0.0, 0.0))]
+    assert [each.rates for each in told.waiting] == [(6.0, 6.0)]

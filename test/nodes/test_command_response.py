@@ -1,0 +1,109 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""A robot that follows its commands as it likes, and a controller that knows how."""
+
+import math
+
+from diffdrive_kinematics.core.commands import CommandResponse
+from diffdrive_kinematics.nodes.diff_drive_controller import build as build_controller
+from diffdrive_kinematics.nodes.wheel_noise import build as build_noise
+from diffdrive_kinematics.ros.parameters.tables import DIFF_DRIVE_CONTROLLER, WHEEL_NOISE
+from nav_msgs.msg import Odometry
+import pytest
+from std_msgs.msg import Empty
+from support.graph import KHEPERA
+
+RESPONSE = {
+    'response_max_speed': 0.5, 'response_max_yaw_rate': 2.0, 'response_speed_gain': 1.03,
+    'response_yaw_rate_gain': 0.9, 'response_veer': 0.1, 'response_turn_loss': 0.18,
+    'response_curvatures': [0.0, 0.1], 'response_shares': [0.95, 1.0], 'response_delay': 0.25}
+SIDE = [0.2, 0.0, 5.0, 0.1, math.pi / 8.0, 4.0]  # times on the grid of the clock
+BIAS = {'left_bias': 0.001, 'right_bias': -0.001}
+
+
+def params_file(path, noise, controller):
+    """Write the parameters of a robot that drives a square with round corners."""
+    sections = {
+        '/**': {
+            **KHEPERA, 'clock_step': 0.05, 'real_time_factor': 0.0, 'publish_rate': 20.0,
+            'enable_odom_tf': False, 'joint_states_topic': "''", 'nodes': [
+                'command_sequence', 'diff_drive_controller', 'wheel_noise', 'simulated_base',
+                'simulated_base:truth']},
+        '/command_sequence': {
+            'commands': [*(4 * SIDE), 0.0, 0.0, 2.0], 'wait_for_topics': ['odom', 'go']},
+        '/wheel_noise': noise, '/diff_drive_controller': controller,
+        '/truth': {'wheel_motion_topic': 'noisy_wheel_rates', 'odom_topic': 'ground_truth',
+                   'odom_frame_id': 'map'}}
+    path.write_text('\n'.join(
+        f'{node}:\n  ros__parameters:\n' + '\n'.join(
+            f'    {name}: {str(value).lower() if isinstance(value, bool) else value}'
+            for name, value in values.items()) for node, values in sections.items() if values))
+    return str(path)
+
+
+def end_of(graph, tmp_path, noise, controller):
+    """Drive the square; return where the robot is at its end."""
+    last = {}
+    for topic in ('odom', 'ground_truth'):
+        graph.collect(Odometry, topic, lambda message, topic=topic: last.update({topic: message}))
+    go = graph.publisher(Empty, 'go', listeners=0)
+    sim = graph.start('diffdrive_sim', args=[
+        '--ros-args', '--params-file', params_file(tmp_path / 'run.yaml', noise, controller)])
+    graph.wait_for(lambda: len(last) == 2 or not sim.running, 'odometry of both')
+    graph.play_out(sim, go)
+    position = last['ground_truth'].pose.pose.position
+    return position.x, position.y
+
+
+def test_without_slip_the_inverse_drives_the_square_that_was_wanted(graph, tmp_path):
+    wanted = end_of(graph, tmp_path, {}, {})
+    assert math.hypot(*wanted) < 1e-6
+    assert math.hypot(*end_of(graph, tmp_path, RESPONSE, {})) > 0.05
+    inverse = end_of(graph, tmp_path, RESPONSE, {**RESPONSE, 'use_response': True})
+    assert math.dist(inverse, wanted) < 1e-6
+
+
+def test_a_commanded_robot_that_is_known_errs_as_one_with_encoders(graph, tmp_path):
+    encoders = math.hypot(*end_of(graph, tmp_path, BIAS, {}))
+    known = math.hypot(*end_of(
+        graph, tmp_path, {**BIAS, **RESPONSE}, {**RESPONSE, 'use_response': True}))
+    assert known == pytest.approx(encoders, rel=0.2)
+
+
+def values_of(table, **given):
+    """Return the values of a table with some given."""
+    return {**{entry.name: entry.default for entry in table}, **KHEPERA, **given}
+
+
+def test_parameters_make_the_response_that_they_name():
+    settings = build_controller(values_of(
+        DIFF_DRIVE_CONTROLLER, **{**RESPONSE, 'use_response': True})).drive
+    assert settings.response == CommandResponse(
+        0.5, 2.0, speed_gain=1.03, yaw_rate_gain=0.9, veer=0.1, turn_loss=0.18,
+        curvatures=[0.0, 0.1], shares=[0.95, 1.0], delay=0.25)
+    assert build_controller(values_of(DIFF_DRIVE_CONTROLLER, **RESPONSE)).drive.response is None
+    assert build_noise(values_of(WHEEL_NOISE)).told is None
+    assert build_noise(values_of(WHEEL_NOISE, **RESPONSE)).told.delay_ns == 250_000_000
+
+
+@pytest.mark.parametrize('wrong, message', [
+    ({'response_turn_loss_order': 3}, 'response_turn_loss_order is 3'),
+    ({'response_max_yaw_rate': 0.0}, 'response_max_yaw_rate is 0.0'),
+    ({'response_shares': [1.0]}, 'response_curvatures are'),
+    ({'response_max_speed': 0.0, 'use_response': True}, 'response_max_speed 0.0, expected')])
+def test_a_response_that_is_none_is_refused_by_its_parameter(wrong, message):
+    with pytest.raises(ValueError, match=message):
+        build_controller(values_of(
+            DIFF_DRIVE_CONTROLLER, **{**RESPONSE, 'use_response': True, **wrong}))
