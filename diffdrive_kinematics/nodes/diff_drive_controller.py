@@ -72,7 +72,7 @@ class DiffDriveController(DiffDriveNode[Config]):
             informed=True)
         self._command_watch = PublisherWatch(
             self, values['cmd_vel_topic'], subscription,
-            'the robot obeys whoever spoke last; put twist_mux between them')
+            'the robot obeys whoever published last; put twist_mux between them')
         # on stepped time all that was sent has come before the time goes on
         self._backlog = None if runtime.is_stepped else Backlog(subscription)
         self._stop = EmergencyStop(

@@ -54,8 +54,8 @@ def velocity_text(disagreement: Mismatch, radius: float, topic: str) -> str:
         factor = reported / rolled
         says = f'is {factor:.3g} times what the positions say'
         reason = _reason(factor, radius)
-    return (f"velocity of {wheels} on '{topic}' {says}: {reason} It is not used, the positions "
-            'are; expected rad/s, or an empty field')
+    return (f"velocity of {wheels} on '{topic}' {says}: {reason} Only the positions "
+            'are used; expected rad/s, or an empty field')
 
 
 def _reason(factor: float, radius: float) -> str:

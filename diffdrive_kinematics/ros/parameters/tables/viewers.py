@@ -34,8 +34,8 @@ WEB_VIEW = (
     Spec('port', 8080, 'Port at which the page is served. 0: a free one, which the log names.',
          Kind.INTEGER, check_port, read_only=True),
     SEPARATION[0], RADII[0],
-    topic('odom_topic', 'odom', 'Subscribes to: odometry, which says where the robot believes to '
-          'be.'),
+    topic('odom_topic', 'odom', 'Subscribes to: odometry, which says where the robot believes '
+          'it is.'),
     topic('truth_topic', 'ground_truth', 'Subscribes to: odometry of where the robot really is. '
           'Empty: off.', optional=True),
     topic('poses_topic', 'projected_poses', 'Subscribes to: the poses of forward_projection. '
