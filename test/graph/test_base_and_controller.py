@@ -16,20 +16,23 @@
 
 import math
 
-from geometry_msgs.msg import Twist, TwistStamped
 from nav_msgs.msg import Odometry
 import pytest
 from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
 from rcl_interfaces.srv import SetParameters
 from sensor_msgs.msg import JointState
-from std_msgs.msg import Float64MultiArray
-from support.graph import JOINTS, KHEPERA, set_stamp, stamp_ns, twist
+from support.graph import JOINTS, KHEPERA, set_stamp, stamp_ns
 
 
 def wheel_rates(time_ns, left, right):
     message = JointState(name=JOINTS, velocity=[left, right])
     set_stamp(message, time_ns)
     return message
+
+
+def alone(node):
+    """Return the composition of one node."""
+    return {'/**/diffdrive_sim': {'nodes': [node]}}
 
 
 @pytest.mark.quick
@@ -68,54 +71,53 @@ def test_joint_states_carry_accumulated_positions_and_can_be_switched_off(graph)
     assert graph.node.count_publishers('joint_states') == 1
 
 
-def test_the_wheels_stop_exactly_at_the_last_stamp_plus_the_timeout(graph):
-    graph.start('simulated_base', {**KHEPERA, 'enable_odom_tf': False, 'command_timeout': 0.3})
-    joints = graph.collect(JointState, 'joint_states')
-    graph.publisher(JointState, 'wheel_rates').publish(wheel_rates(graph.now_ns(), 2.0, 4.0))
-    message = graph.wait_for(
-        lambda: joints and list(joints[-1].velocity) == [0.0, 0.0] and joints[-1], 'the stop')
+@pytest.mark.ros
+def test_the_wheels_stop_exactly_at_the_last_stamp_plus_the_timeout(diffdrive):
+    robot = diffdrive(alone('simulated_base'), params={
+        **KHEPERA, 'enable_odom_tf': False, 'command_timeout': 0.3})
+    robot.advance(0.1)
+    robot.publish('wheel_rates', wheel_rates(100_000_000, 2.0, 4.0))
+    robot.advance(1.0)
+    message = robot.history('joint_states')[-1].message
+    assert list(message.velocity) == [0.0, 0.0]
     assert list(message.position) == pytest.approx([0.6, 1.2], rel=1e-12)
 
 
-def test_rates_come_as_a_float64_multi_array_too_where_the_yaml_asks_for_it(graph):
-    graph.start('diff_drive_controller', {
+@pytest.mark.ros
+def test_rates_come_as_a_float64_multi_array_too_where_the_yaml_asks_for_it(diffdrive):
+    robot = diffdrive(alone('diff_drive_controller'), params={
         **KHEPERA, 'left_wheel_names': ['fl', 'rl'], 'right_wheel_names': ['fr', 'rr'],
         'wheel_commands_topic': 'wheels/commands', 'cmd_vel_timeout': 0.0})
-    arrays = graph.collect(Float64MultiArray, 'wheels/commands')
-    rates = graph.collect(JointState, 'wheel_rates')
-    graph.publisher(Twist, 'cmd_vel').publish(twist(0.021, 0.5))
-    graph.wait_for(lambda: arrays and arrays[-1].data[0] and rates, 'rates')
+    robot.drive(0.021, 0.5, 0.1)
     turn = 0.5 * 0.0885 / 2.0 / 0.021
-    assert list(arrays[-1].data) == pytest.approx(
+    assert list(robot.history('wheels/commands')[-1].message.data) == pytest.approx(
         [1.0 - turn, 1.0 - turn, 1.0 + turn, 1.0 + turn], rel=1e-12)
-    assert list(rates[-1].name) == ['fl', 'rl', 'fr', 'rr']
+    assert list(robot.history('wheel_rates')[-1].message.name) == ['fl', 'rl', 'fr', 'rr']
 
 
-def test_the_drive_brakes_through_the_limiter_after_the_timeout(graph):
-    graph.start('diff_drive_controller', {
-        **KHEPERA, 'cmd_vel_timeout': 0.2, 'publish_limited_velocity': True,
+@pytest.mark.ros
+def test_the_drive_brakes_through_the_limiter_after_the_timeout(diffdrive):
+    robot = diffdrive(alone('diff_drive_controller'), params={
+        **KHEPERA, 'cmd_vel_timeout': 0.2, 'publish_limited_velocity': True, 'update_rate': 50.0,
         'linear.x.max_acceleration': 2.0, 'linear.x.max_deceleration': -0.5})
-    out = graph.collect(TwistStamped, 'cmd_vel_out')
-    graph.wait_for(lambda: out, 'the first limited velocity')
-    graph.publisher(Twist, 'cmd_vel').publish(twist(0.1, 0.0))
-    graph.wait_for(lambda: any(message.twist.linear.x == 0.1 for message in out), 'full speed')
-    graph.wait_for(lambda: out[-1].twist.linear.x == 0.0, 'the stop')
-    braking = [(stamp_ns(message), message.twist.linear.x) for message in out]
+    robot.drive(0.1, 0.0, 0.3)
+    robot.advance(1.0)
+    braking = [(each.time, each.message.twist.linear.x) for each in robot.history('cmd_vel_out')]
     full = max(time for time, v in braking if v == 0.1)
     stopped = min(time for time, v in braking if v == 0.0 and time > full)
     speeds = sorted(
         {round(v, 12) for time, v in braking if full <= time <= stopped}, reverse=True)
     assert speeds == pytest.approx([0.01 * k for k in range(10, -1, -1)], abs=1e-12)
+    assert braking[-1][1] == 0.0
 
 
-def test_both_wheels_are_scaled_by_one_factor_at_the_wheel_rate_bound(graph):
-    graph.start('diff_drive_controller', {
+@pytest.mark.ros
+def test_both_wheels_are_scaled_by_one_factor_at_the_wheel_rate_bound(diffdrive):
+    robot = diffdrive(alone('diff_drive_controller'), params={
         **KHEPERA, 'max_wheel_rate': 5.0, 'cmd_vel_timeout': 0.0})
-    rates = graph.collect(JointState, 'wheel_rates')
-    graph.publisher(Twist, 'cmd_vel').publish(twist(0.42, 4.0))
-    graph.wait_for(lambda: rates and rates[-1].velocity[0], 'rates')
+    robot.drive(0.42, 4.0, 0.1)
     turn = 4.0 * 0.0885 / 2.0 / 0.021
-    left, right = rates[-1].velocity
+    left, right = robot.history('wheel_rates')[-1].message.velocity
     assert right == 5.0
     assert left / right == pytest.approx((20.0 - turn) / (20.0 + turn), rel=1e-12)
 

@@ -16,6 +16,7 @@
 
 from pathlib import Path
 import re
+import sys
 
 PAGE = Path(__file__).resolve().parents[2] / 'docs' / 'tutorial' / 'test_your_node.md'
 ROBOT = {'wheel_radius': 0.033, 'wheel_separation': 0.16, 'enable_odom_tf': False}
@@ -49,6 +50,38 @@ node = MyPlanner()
 while rclpy.ok():
     rclpy.spin_once(node, timeout_sec=0)""")]}
 
+PACKAGE = {
+    'resource/my_package': '', 'my_package/__init__.py': '',
+    'package.xml': """\
+<?xml version="1.0"?>
+<package format="3">
+  <name>my_package</name>
+  <version>0.0.1</version>
+  <description>A planner</description>
+  <maintainer email="me@example.org">me</maintainer>
+  <license>Apache-2.0</license>
+  <exec_depend>rclpy</exec_depend>
+  <test_depend>diffdrive_kinematics</test_depend>
+  <test_depend>python3-pytest</test_depend>
+  <export><build_type>ament_python</build_type></export>
+</package>
+""",
+    'setup.cfg': """\
+[develop]
+script_dir=$base/lib/my_package
+[install]
+install_scripts=$base/lib/my_package
+""",
+    'setup.py': """\
+from setuptools import setup
+
+setup(
+    name='my_package', version='0.0.1', packages=['my_package'],
+    data_files=[('share/ament_index/resource_index/packages', ['resource/my_package']),
+                ('share/my_package', ['package.xml'])],
+    install_requires=['setuptools'], extras_require={'test': ['pytest']})
+"""}
+
 
 def shown():
     """Return the names of the files that the tutorial shows, and what is in them."""
@@ -70,3 +103,17 @@ def write(directory):
     for name, text in files.items():
         (directory / name).write_text(text)
     return directory
+
+
+def write_package(directory):
+    """Write a package of a user, with the files of the tutorial, into a new directory."""
+    files = {f'test/{name}' if name.startswith('test_') else name: text
+             for name, text in shown().items()}
+    for name, text in {**files, **PACKAGE}.items():
+        path = directory / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text)
+
+
+if __name__ == '__main__':
+    {'files': write, 'package': write_package}[sys.argv[1]](Path(sys.argv[2]))
