@@ -21,11 +21,12 @@ from typing import Any, Callable, List, Mapping, NamedTuple, Optional, Sequence,
 
 from diffdrive_kinematics.core.calibration import (
     Clock, COMMANDED, fit_drive_slip, fit_sessions, fit_squares, fit_trajectory, RecordedDrive,
-    ReturnError, slip_from_squares, TrajectoryFit, Windows, without_frozen_poses)
+    ReturnError, slip_from_squares, SlipFit, TrajectoryFit, Windows, without_frozen_poses)
 from diffdrive_kinematics.core.kinematics import WheelGeometry
+from diffdrive_kinematics.core.noise import BodySlip, NO_BODY_SLIP
 from diffdrive_kinematics.tools.calibration_remarks import (
     clock_remark, course_remarks, frame_remark, frozen_remark, KNOWN_BY_DRIVES, KNOWN_BY_RATIO,
-    square_remarks)
+    slip_remark, square_remarks)
 from diffdrive_kinematics.tools.calibration_sessions import (
     session_parameters, session_remark, session_rows, THIS_SESSION_ONLY)
 from diffdrive_kinematics.tools.recordings import nobody
@@ -61,7 +62,8 @@ class Calibration:
     """
     What was found.
 
-    ``geometry`` has the corrected multipliers; ``slips`` are k (left, right) [m]. ``source`` is
+    ``geometry`` has the corrected multipliers; ``slips`` are k (left, right) [m], ``body`` is
+    the slip of the body. ``source`` is
     the result it comes from, and what that was given, for the picture. ``columns`` says what
     the two numbers of each gain are. ``sessions`` are the parameters of what differs between
     runs, where it is known.
@@ -75,6 +77,7 @@ class Calibration:
     remarks: Tuple[str, ...]
     source: Any
     columns: Tuple[str, str] = ('before', 'after')
+    body: BodySlip = NO_BODY_SLIP
     sessions: Mapping[str, float] = field(default_factory=dict)
 
 
@@ -137,9 +140,7 @@ def of_drives(
         rows.append(Row('delay [s]', *fit.offsets[0]))
     elif clock != 'none':
         rows += _clock_rows(fit)
-    rows += [Row('slip variance k left [m]', *slip.k_left),
-             Row('slip variance k right [m]', *slip.k_right),
-             *(Row(*row) for row in session_rows(sessions))]
+    rows += [*_slip_rows(slip), *(Row(*row) for row in session_rows(sessions))]
     gains = (
         Gain('position error of windows, RMS [mm]', 1e3 * fit.before.position,
              1e3 * fit.after.position),
@@ -149,8 +150,20 @@ def of_drives(
         'trajectory fit', after, (slip.k_left.value, slip.k_right.value), tuple(rows), gains,
         (*_remarks(fit, drives), KNOWN_BY_RATIO if keep else KNOWN_BY_DRIVES,
          *frozen_remark(whole, drives), *clock_remark(fit), *frame_remark(fit),
-         *course_remarks(geometry, drives), session_remark(sessions)),
-        (fit, geometry, drives), sessions=session_parameters(sessions))
+         *course_remarks(geometry, drives), slip_remark(slip), session_remark(sessions)),
+        (fit, geometry, drives), body=slip.body, sessions=session_parameters(sessions))
+
+
+def _slip_rows(slip: SlipFit) -> List[Row]:
+    """Return the slip of the wheels and that of the body, where that is, and the stamps' noise."""
+    rows = [Row('slip variance k left [m]', *slip.k_left),
+            Row('slip variance k right [m]', *slip.k_right)]
+    rows += [Row(f'{name} slip variance {symbol}', *getattr(slip, name))
+             for name, symbol in (('linear', 'k_d [m]'), ('turn', 'k_t [rad]'),
+                                  ('heading', 'k_x [rad^2/m]')) if name in slip.terms]
+    return [*rows, Row('noise of the reference: position [m]', *slip.sigma_position),
+            Row('noise of the reference: heading [rad]', *slip.sigma_heading),
+            Row('noise of the reference: stamps [s]', *slip.sigma_time)]
 
 
 def _clock_rows(fit: TrajectoryFit) -> List[Row]:

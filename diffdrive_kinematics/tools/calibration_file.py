@@ -63,13 +63,16 @@ def params_text(calibration: Calibration, name: str) -> str:
     geometry, (left, right) = calibration.geometry, calibration.slips
     multipliers = {name: getattr(geometry, name) for name in MULTIPLIERS}
     slips = {'left_slip_variance': left, 'right_slip_variance': right}
-    if max(left, right) < NO_SLIP_M:  # nothing is known of it: what is known elsewhere stays
+    body = {f'{name}_slip_variance': getattr(calibration.body, f'{name}_variance')
+            for name in ('linear', 'turn', 'heading')} if calibration.body else {}
+    slips.update(body)
+    if max(slips.values()) < NO_SLIP_M:  # nothing is known: what is known elsewhere stays
         slips = {}
     bias = {'left_bias': geometry.left_wheel_radius_multiplier - 1.0,
             'right_bias': geometry.right_wheel_radius_multiplier - 1.0}
     truth = {'left_wheel_radius_multiplier': 1.0, 'right_wheel_radius_multiplier': 1.0,
              'wheel_separation_multiplier': geometry.wheel_separation_multiplier,
-             'left_slip_variance': 0.0, 'right_slip_variance': 0.0}
+             **dict.fromkeys(('left_slip_variance', 'right_slip_variance', *body), 0.0)}
     if calibration.sessions:
         bias['wheel_separation_multiplier'] = geometry.wheel_separation_multiplier
         truth.update(dict.fromkeys(calibration.sessions, 0.0))

@@ -18,13 +18,13 @@ import math
 from typing import List, Sequence
 
 from diffdrive_kinematics.core.calibration import (
-    drift_pays, RecordedDrive, SquareFit, TrajectoryFit)
+    drift_pays, penalised, RecordedDrive, SlipFit, SlipModel, SquareFit, TrajectoryFit)
 from diffdrive_kinematics.core.kinematics import WheelGeometry
 import numpy as np
 
 __all__ = [
     'NO_SLIP_M', 'KNOWN_BY_DRIVES', 'KNOWN_BY_RATIO', 'clock_remark', 'course_remarks',
-    'frame_remark', 'frozen_remark', 'square_remarks']
+    'frame_remark', 'frozen_remark', 'slip_remark', 'square_remarks']
 
 KNOWN_BY_DRIVES = 'known from the drives: both radii and the separation'
 KNOWN_BY_RATIO = (
@@ -84,6 +84,30 @@ def clock_remark(fit: TrajectoryFit) -> List[str]:
                      for number, ratio in tried)
     return ["the clock of a drive's reference has an offset, and a drift where the likelihood "
             f'ratio for it is over 6.6 (1 % by chance); ratio of drive {said}']
+
+
+def slip_remark(slip: SlipFit) -> str:
+    """Return which terms slip is made of, and why these."""
+    said = f'slip is that of {_named(slip.terms)}'
+    if not slip.rivals:
+        return said
+    best, *others = slip.rivals
+    said += (': the wheels, or what is likelier: each constant has to raise twice the log '
+             'likelihood by 6.6 (1 % by chance)')
+    return said + ''.join(
+        f'; next best: {_named(other.terms)}, {_behind(other, best):.1f} behind'
+        for other in others[:1])
+
+
+def _named(terms: Sequence[str]) -> str:
+    body = [term for term in terms if term != 'wheels']
+    wheels = ['the wheels'] if 'wheels' in terms else []
+    return ' and '.join(wheels + ([f'the body ({", ".join(body)})'] if body else []))
+
+
+def _behind(other: SlipModel, best: SlipModel) -> float:
+    """Return how much less another set of terms is worth."""
+    return penalised(other) - penalised(best)
 
 
 def frame_remark(fit: TrajectoryFit) -> List[str]:

@@ -38,13 +38,19 @@ class Truth(NamedTuple):
 
 
 class Disturbance(NamedTuple):
-    """Slip [sqrt(m)], reference noise [m], [rad], share of outliers, and gaps (start, end) [s]."""
+    """
+    What makes errors.
+
+    Slip of the wheels [sqrt(m)], reference noise [m], [rad], share of outliers, gaps (start, end)
+    [s], and slip of the body as of BodySlip.
+    """
 
     slip: float = 1e-3
     position: float = 1e-3
     heading: float = 3e-3
     outliers: float = 0.0
     gaps: tuple = ()
+    body: tuple = ()
 
 
 EXACT = Disturbance(0.0, 0.0, 0.0)
@@ -66,6 +72,18 @@ def poses_of(travel, separation):
     return np.stack([x, y, theta], axis=1)
 
 
+def with_body_slip(travel, separation, constants, generator):
+    """Return the travel that wheels would need for the motion of a body that slips."""
+    linear, turn, heading = constants
+    distance, turned = travel.mean(axis=1), (travel[:, 1] - travel[:, 0]) / separation
+    noise = generator.standard_normal((2, len(travel)))
+    distance = distance + np.sqrt(linear * np.abs(distance)) * noise[0]
+    turned = turned + noise[1] * np.sqrt(
+        turn * np.abs(turned) + heading * np.abs(travel.mean(axis=1)))
+    half = 0.5 * separation * turned
+    return np.stack([distance - half, distance + half], axis=1)
+
+
 def drive(seed, truth=Truth(), disturbance=Disturbance(), seconds=100.0, twists=curved_twists):
     """Return the drive of a simulated drive."""
     generator = np.random.default_rng(seed)
@@ -76,7 +94,10 @@ def drive(seed, truth=Truth(), disturbance=Disturbance(), seconds=100.0, twists=
     travel = rolled * GEOMETRY.wheel_radius * [truth.left, truth.right]
     travel += (disturbance.slip * np.sqrt(np.abs(travel))
                * generator.standard_normal(travel.shape))
-    centre = poses_of(travel, GEOMETRY.separation * truth.separation)
+    separation = GEOMETRY.separation * truth.separation
+    if disturbance.body:
+        travel = with_body_slip(travel, separation, disturbance.body, generator)
+    centre = poses_of(travel, separation)
     seen = np.arange(0.5, seconds - 0.5, REFERENCE_PERIOD) + 0.003
     late = seen - truth.offset - truth.drift * (seen - 0.5 * time[-1])
     x, y, theta = (np.interp(late, time, column) for column in centre.T)

@@ -18,10 +18,11 @@ from dataclasses import replace
 import re
 
 from diffdrive_kinematics.tools.calibration import of_drives, table
+from diffdrive_kinematics.tools.calibration_file import params_text
 from diffdrive_kinematics.tools.calibration_remarks import course_remarks
 import numpy as np
 import pytest
-from support.drives import curved_twists, drive, GEOMETRY, Truth
+from support.drives import curved_twists, Disturbance, drive, GEOMETRY, Truth
 
 VALUES = {'mean_radius': '', 'equal_slip': True}
 
@@ -73,6 +74,23 @@ def test_the_report_says_what_was_chosen_of_the_clock_and_why(drift, words):
     assert (said[2] == '-') == (drift == 0.0)
     assert 'ratio of drive' not in table(of_drives(
         VALUES, GEOMETRY, [drive(0)], clock='drifts'))
+
+
+@pytest.mark.parametrize('body, said, written', [
+    ((), 'slip is that of the wheels: ', 'left_slip_variance: [1-9]'),
+    ((1e-4, 2e-3, 0.0), r'slip is that of the body \(linear, turn\): ',
+     'turn_slip_variance: 0.00[1-3]')])
+def test_the_report_says_what_slips_and_why_and_the_file_has_it(body, said, written):
+    found = of_drives(
+        VALUES, GEOMETRY, [drive(seed, Truth(), Disturbance(0.0 if body else 1e-3, body=body))
+                           for seed in range(2)], clock='auto')
+    report, text = table(found), params_text(found, 'calibration.yaml')
+    assert re.search(said, report) and 'twice the log likelihood by 6.6' in report
+    assert re.search(r'next best: the \w+.*, [0-9.]+ behind', report)
+    for_all, truth = text.split('/**/ground_truth')[0], text.split('/**/ground_truth')[1]
+    assert re.search(written, for_all)
+    assert ('turn_slip_variance: 0.0\n' in truth) == bool(body)
+    assert ('linear slip variance k_d [m]' in report) == bool(body)
 
 
 @pytest.mark.parametrize('mean_radius, words', [

@@ -38,9 +38,12 @@ from diffdrive_kinematics.core.calibration.response_fit import (
 from diffdrive_kinematics.core.calibration.response_forms import FORMS
 from diffdrive_kinematics.core.calibration.session_fit import (
     fit_sessions, SessionFit, spread_between)
-from diffdrive_kinematics.core.calibration.slip_fit import (
-    fit_reference_noise, fit_slip, nees_per_dof)
-from diffdrive_kinematics.core.calibration.slip_result import NO_NOISE, ReferenceNoise, SlipFit
+from diffdrive_kinematics.core.calibration.slip_choice import choose_slip, penalised
+from diffdrive_kinematics.core.calibration.slip_fit import fit_reference_noise, fit_slip
+from diffdrive_kinematics.core.calibration.slip_nees import nees_per_dof
+from diffdrive_kinematics.core.calibration.slip_result import (
+    NO_NOISE, ReferenceNoise, SlipFit, SlipModel)
+from diffdrive_kinematics.core.calibration.slip_stack import SLIP_TERMS
 from diffdrive_kinematics.core.calibration.slip_window import slip_window, SlipWindow
 from diffdrive_kinematics.core.calibration.square_fit import fit_squares, SquareFit
 from diffdrive_kinematics.core.calibration.square_runs import ReturnError, Umbmark
@@ -56,11 +59,12 @@ from diffdrive_kinematics.core.calibration.window_weights import Variances
 __all__ = [
     'COMMANDED', 'CalibrationParameters', 'Clock', 'Estimate', 'FORMS', 'FittedResponse',
     'Iteration', 'NO_FRAME', 'NO_NOISE', 'Prediction', 'RecordedDrive', 'ReferenceNoise',
-    'Residual', 'ResponseFit', 'ReturnError', 'SessionFit', 'SlipFit', 'SlipWindow', 'SquareFit',
-    'TrajectoryFit', 'Umbmark', 'Variances', 'WindowResiduals', 'WindowSet', 'Windows',
-    'commands_of', 'corrected', 'drift_pays', 'drive_from_commands', 'drive_from_positions',
-    'drive_from_rates', 'drive_from_ticks', 'fit_drive_slip', 'fit_form', 'fit_heading',
-    'fit_reference_noise', 'fit_response', 'fit_sessions', 'fit_slip', 'fit_squares',
-    'fit_trajectory', 'linearised', 'nees_per_dof', 'odometry_at', 'responded',
-    'response_errors', 'slip_from_squares', 'slip_window', 'slip_windows', 'spread_between',
-    'umbmark', 'windows_between', 'without_frozen_poses']
+    'Residual', 'ResponseFit', 'ReturnError', 'SLIP_TERMS', 'SessionFit', 'SlipFit', 'SlipModel',
+    'SlipWindow', 'SquareFit', 'TrajectoryFit', 'Umbmark', 'Variances', 'WindowResiduals',
+    'WindowSet', 'Windows', 'choose_slip', 'commands_of', 'corrected', 'drift_pays',
+    'drive_from_commands', 'drive_from_positions', 'drive_from_rates', 'drive_from_ticks',
+    'fit_drive_slip', 'fit_form', 'fit_heading', 'fit_reference_noise', 'fit_response',
+    'fit_sessions', 'fit_slip', 'fit_squares', 'fit_trajectory', 'linearised', 'nees_per_dof',
+    'odometry_at', 'penalised', 'responded', 'response_errors', 'slip_from_squares',
+    'slip_window', 'slip_windows', 'spread_between', 'umbmark', 'windows_between',
+    'without_frozen_poses']

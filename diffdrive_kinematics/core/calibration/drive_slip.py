@@ -18,21 +18,24 @@ Slip of calibrated drives: from a calibration and its drives to slip constants w
 Windows that the calibration takes for outliers (an encoder that starts anew, a tracker that loses
 its body) are left out here as well: a single one would outweigh all slip.
 
-Windows that start often overlap, which makes the best use of the data but leaves the standard
-errors of :func:`.fit_slip` too small; here they come from leaving out a group at a time
+Windows that start often overlap, which makes the best use of the data.  Each counts by the share
+of its time that is its own, so that the likelihood is that of windows that do not overlap,
+averaged over where they start.  Standard errors come from leaving out a group at a time
 (Tukey's jackknife, Efron & Stein 1981, Ann. Stat. 9(3)), a group being a drive, or a part of
 one where there are few.  The calibration itself is taken as exact: calibrate other drives than
 those whose slip is wanted where the systematic errors are not known far better than the slip.
 """
 
 from dataclasses import replace
+from itertools import chain
 import math
-from typing import List, Sequence, Tuple
+from typing import List, Optional, Sequence, Tuple
 
 from diffdrive_kinematics.core.calibration.calibration_parameters import CalibrationParameters
 from diffdrive_kinematics.core.calibration.drive_odometry import since_middle
 from diffdrive_kinematics.core.calibration.estimate import Estimate
 from diffdrive_kinematics.core.calibration.recorded_drive import RecordedDrive
+from diffdrive_kinematics.core.calibration.slip_choice import choose_slip
 from diffdrive_kinematics.core.calibration.slip_fit import fit_slip
 from diffdrive_kinematics.core.calibration.slip_result import SlipFit
 from diffdrive_kinematics.core.calibration.slip_window import slip_window, SlipWindow
@@ -46,6 +49,8 @@ from numpy.typing import NDArray
 __all__ = ['fit_drive_slip', 'slip_windows']
 
 Array = NDArray[np.float64]
+
+_Counted = Tuple[SlipWindow, float]
 
 FEWEST_GROUPS = 5
 
@@ -92,20 +97,21 @@ def slip_windows(
               - systematic.drift * since_middle(drive))
     radii = np.array([geometry.left_radius * systematic.left,
                       geometry.right_radius * systematic.right])
-    poses = _centre(drive.reference, systematic)
+    poses, twists = _centre(drive.reference, systematic), _twists(calibrated, drive, radii, stamps)
     found = []
     for start, end in zip(chosen.start, chosen.end):
         travel = radii * np.diff(_angles(drive, stamps[start], stamps[end]), axis=0)
         if travel.any():
             found.append(slip_window(
-                calibrated, travel, Pose(*poses[start]), Pose(*poses[end])))
+                calibrated, travel, Pose(*poses[start]), Pose(*poses[end]),
+                twists=twists[[start, end]]))
     return found
 
 
 def fit_drive_slip(
         geometry: WheelGeometry, drives: Sequence[RecordedDrive], fit: TrajectoryFit, *,
-        lengths: Tuple[float, ...] = (2.0, 10.0), every: float = 1.0, equal: bool = True
-) -> SlipFit:
+        lengths: Tuple[float, ...] = (2.0, 10.0), every: float = 1.0, equal: bool = True,
+        terms: Optional[Sequence[str]] = None) -> SlipFit:
     """
     Return the slip constants of calibrated drives, errors by leaving out groups of windows.
 
@@ -123,6 +129,9 @@ def fit_drive_slip(
         Time from the start of one to that of the next [s].
     equal : bool
         Fit one k for both wheels instead of one each.
+    terms : sequence of str, optional
+        What slip is made of, some of ``SLIP_TERMS``; without, those that pay (see
+        :mod:`.slip_choice`).
 
     Returns
     -------
@@ -155,25 +164,39 @@ def fit_drive_slip(
     if len(drives) != len(fit.offsets):
         raise ValueError(
             f'there are {len(drives)} drives, expected {len(fit.offsets)} as in the fit')
-    groups: List[List[SlipWindow]] = []
+    groups: List[List[_Counted]] = []
     parts = -(-FEWEST_GROUPS // len(drives))
     for number, drive in enumerate(drives):
-        mine: List[List[SlipWindow]] = [[] for _ in range(parts)]
+        mine: List[List[_Counted]] = [[] for _ in range(parts)]
         for length in lengths:
             windows = [each for each in slip_windows(
                 geometry, drive, fit.systematic(number), length, every)
                 if _credible(each, fit.variances)]
             for n, window in enumerate(windows):
-                mine[n * parts // len(windows)].append(window)
+                mine[n * parts // len(windows)].append((window, min(every / length, 1.0)))
         groups += mine
-    whole = fit_slip([window for group in groups for window in group], equal=equal)
-    others = [fit_slip([window for n, group in enumerate(groups) if n != left_out
-                        for window in group], equal=equal) for left_out in range(len(groups))]
+    whole = _fitted(groups, equal, terms)
+    others = [_fitted(groups[:n] + groups[n + 1:], equal, whole.terms)
+              for n in range(len(groups))]
+
+    def estimate(name: str) -> Estimate:
+        return _jackknifed([getattr(each, name) for each in (whole, *others)])
+
     return replace(
-        whole, k_left=_jackknifed([each.k_left for each in (whole, *others)]),
-        k_right=_jackknifed([each.k_right for each in (whole, *others)]),
-        sigma_position=_jackknifed([each.sigma_position for each in (whole, *others)]),
-        sigma_heading=_jackknifed([each.sigma_heading for each in (whole, *others)]))
+        whole, k_left=estimate('k_left'), k_right=estimate('k_right'), linear=estimate('linear'),
+        turn=estimate('turn'), heading=estimate('heading'),
+        sigma_position=estimate('sigma_position'), sigma_heading=estimate('sigma_heading'),
+        sigma_time=estimate('sigma_time'))
+
+
+def _fitted(
+        groups: Sequence[Sequence[_Counted]], equal: bool, terms: Optional[Sequence[str]]
+) -> SlipFit:
+    """Return the slip of groups of windows, of the terms that pay where none are given."""
+    windows, weights = zip(*chain.from_iterable(groups))
+    if terms is None:
+        return choose_slip(windows, equal=equal, weights=weights)
+    return fit_slip(windows, equal=equal, weights=weights, terms=terms)
 
 
 def _credible(window: SlipWindow, variances: Variances) -> bool:
@@ -196,6 +219,14 @@ def _centre(reference: Array, systematic: CalibrationParameters) -> Array:
     cosine, sine = np.cos(theta), np.sin(theta)
     return np.stack([reference[:, 0] - cosine * systematic.x + sine * systematic.y,
                      reference[:, 1] - sine * systematic.x - cosine * systematic.y, theta], axis=1)
+
+
+def _twists(geometry: WheelGeometry, drive: RecordedDrive, radii: Array, stamps: Array) -> Array:
+    """Return speed [m/s] and yaw rate [rad/s] at each stamp, shape (m, 2)."""
+    rates = radii * np.diff(drive.angles, axis=0) / np.diff(drive.time)[:, None]
+    left, right = rates[
+        np.clip(np.searchsorted(drive.time, stamps, 'right') - 1, 0, len(rates) - 1)].T
+    return np.stack([0.5 * (left + right), (right - left) / geometry.separation], axis=1)
 
 
 def _angles(drive: RecordedDrive, start: float, end: float) -> Array:

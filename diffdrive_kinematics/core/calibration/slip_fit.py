@@ -17,36 +17,46 @@ Maximum likelihood of slip constants, from windows of wheel travel between refer
 
 The covariance of a window's error (:mod:`.slip_window`) is linear in the slip constants and the
 variances of the reference, which are fitted as variance components (:mod:`.variance_components`).
-Windows count as independent: they must not overlap, and noise at a shared end counts twice.
+Windows count as independent: those that overlap need weights, and noise at a shared end counts
+twice.
 """
 
 import math
-from typing import Optional, Sequence, Tuple
+from typing import List, Optional, Sequence
 
 from diffdrive_kinematics.core.calibration.estimate import Estimate
-from diffdrive_kinematics.core.calibration.slip_result import NO_NOISE, ReferenceNoise, SlipFit
+from diffdrive_kinematics.core.calibration.slip_result import (
+    NO_NOISE, NOTHING, ReferenceNoise, SlipFit)
+from diffdrive_kinematics.core.calibration.slip_stack import (
+    noise_covariance, slip_covariance, slip_parts, stacked_windows)
 from diffdrive_kinematics.core.calibration.slip_window import SlipWindow
 from diffdrive_kinematics.core.calibration.variance_components import (
-    Components, fit_components, likelihood)
-from diffdrive_kinematics.core.kinematics import check_non_negative
+    Components, fit_components)
+from diffdrive_kinematics.core.calibration.window_variances import least_noise
+from diffdrive_kinematics.core.noise import BodySlip, NO_BODY_SLIP
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
-__all__ = ['Estimate', 'fit_reference_noise', 'fit_slip', 'nees_per_dof']
+__all__ = ['NO_NOISE', 'fit_reference_noise', 'fit_slip']
 
 Array = NDArray[np.float64]
 
 FEWEST_WINDOWS = 5
+FINEST = 1e-8
+"""Least variance of a reference's position [m^2] and heading [rad^2]: 0.1 mm and 0.1 mrad."""
+SHARE = 0.1
+"""Share of the noise that a calibration assumes at least: more of it would take slip away."""
 
 
 def fit_slip(
         windows: Sequence[SlipWindow], *, equal: bool = True,
-        noise: Optional[ReferenceNoise] = None) -> SlipFit:
+        noise: Optional[ReferenceNoise] = None, terms: Sequence[str] = ('wheels',),
+        weights: Optional[ArrayLike] = None) -> SlipFit:
     """
     Return the slip constants of the greatest likelihood, with standard errors.
 
     Errors are those of the observed information (the curvature of the log likelihood), or of
-    the expected one where an estimate lies on its bound, 0.  They hold for independent windows.
+    the expected one where an estimate lies on its bound.  They hold for independent windows.
 
     Parameters
     ----------
@@ -56,7 +66,13 @@ def fit_slip(
     equal : bool
         Fit one k for both wheels instead of one each.
     noise : ReferenceNoise, optional
-        Noise of the reference where it is known; fitted as well where it is not.
+        Noise of the reference where it is known; fitted as well where it is not, with a floor
+        (a hundredth of the variance of short windows; 0.1 mm and 0.1 mrad), as no reference is
+        perfect.
+    terms : sequence of str
+        What slip is made of: some of ``SLIP_TERMS``, in their order.
+    weights : array_like, shape (n,), optional
+        How many windows each one counts as: below 1 for windows that overlap.
 
     Returns
     -------
@@ -84,22 +100,29 @@ def fit_slip(
     True
 
     """
-    stack = _stacked(windows)
-    slip = [stack.left + stack.right] if equal else [stack.left, stack.right]
+    stack = stacked_windows(windows, FEWEST_WINDOWS)
+    counts = None if weights is None else np.asarray(weights, dtype=np.float64)
+    slip = slip_parts(stack, terms, equal=equal)
     if noise is None:
-        given, parts = np.zeros_like(stack.left), [*slip, stack.position, stack.heading]
+        fit = fit_components(
+            stack.error, np.stack([*slip, *_noise_parts(stack)]),
+            np.zeros_like(stack.left), weights=counts,
+            least=np.append(np.zeros(len(slip)), _floor(stack)))
     else:
-        given, parts = _noise_covariance(stack, noise), slip
-    fit = fit_components(stack.error, np.stack(parts), given)
-    k_left = Estimate(fit.values[0], fit.errors[0])
-    k_right = k_left if equal else Estimate(fit.values[1], fit.errors[1])
-    position, heading = _sigmas(fit, len(slip), noise)
+        fit = fit_components(
+            stack.error, np.stack(slip), noise_covariance(stack, noise), weights=counts)
+    found = dict(zip(_constants(terms, equal), map(Estimate, fit.values, fit.errors)))
+    k_left = found.get('k_left', NOTHING)
+    position, heading, time = _sigmas(fit, len(slip), noise)
     return SlipFit(
-        k_left, k_right, position, heading, fit.log_likelihood, fit.nees, len(windows))
+        k_left, found.get('k_right', k_left), position, heading, fit.log_likelihood, fit.nees,
+        len(windows), found.get('linear', NOTHING), found.get('turn', NOTHING),
+        found.get('heading', NOTHING), tuple(terms), time)
 
 
 def fit_reference_noise(
-        windows: Sequence[SlipWindow], k_left: float, k_right: float) -> SlipFit:
+        windows: Sequence[SlipWindow], k_left: float, k_right: float,
+        body: BodySlip = NO_BODY_SLIP) -> SlipFit:
     """
     Return the reference's noise of the greatest likelihood, for known slip constants.
 
@@ -111,11 +134,14 @@ def fit_reference_noise(
         At least 5 that do not overlap.
     k_left, k_right : float
         Slip variance per metre of travel [m].
+    body : BodySlip
+        Slip of the body.
 
     Returns
     -------
     SlipFit
-        Noise with its errors; the slip constants are those given, with errors of 0.
+        Noise with its errors, above the floor of :func:`fit_slip`; the slip constants are those
+        given, with errors of 0.
 
     Raises
     ------
@@ -135,89 +161,42 @@ def fit_reference_noise(
     '0.005 m'
 
     """
-    stack = _stacked(windows)
-    given = _slip_covariance(stack, k_left, k_right)
-    fit = fit_components(stack.error, np.stack([stack.position, stack.heading]), given)
-    position, heading = _sigmas(fit, 0, None)
+    stack = stacked_windows(windows, FEWEST_WINDOWS)
+    fit = fit_components(
+        stack.error, np.stack(_noise_parts(stack)),
+        slip_covariance(stack, k_left, k_right, body), least=_floor(stack))
+    position, heading, time = _sigmas(fit, 0, None)
     return SlipFit(
         Estimate(k_left, 0.0), Estimate(k_right, 0.0), position, heading, fit.log_likelihood,
-        fit.nees, len(windows))
+        fit.nees, len(windows), Estimate(body.linear_variance, 0.0),
+        Estimate(body.turn_variance, 0.0), Estimate(body.heading_variance, 0.0), sigma_time=time)
 
 
-def nees_per_dof(
-        windows: Sequence[SlipWindow], k_left: float, k_right: float,
-        noise: ReferenceNoise = NO_NOISE) -> Array:
-    """
-    Return ``e^T P^-1 e / 3`` of each window; its mean is 1 if the model holds.
-
-    The normalised error squared of Bar-Shalom, Li & Kirubarajan (2001, sec. 5.4.2), for slip
-    constants and a noise of the reference that may come from other windows.
-
-    Parameters
-    ----------
-    windows : sequence of SlipWindow
-        At least one.
-    k_left, k_right : float
-        Slip variance per metre of travel [m].
-    noise : ReferenceNoise
-        Noise of the reference.
-
-    Returns
-    -------
-    numpy.ndarray, shape (n,)
-        One value for each window [1].
-
-    Raises
-    ------
-    ValueError
-        If a constant is not finite or below 0, or the covariance of a window is singular.
-
-    Examples
-    --------
-    >>> from diffdrive_kinematics.core.calibration import slip_window
-    >>> from diffdrive_kinematics.core.kinematics import Pose, WheelGeometry
-    >>> window = slip_window(WheelGeometry(0.5, 0.125), [[1.0, 1.0]],
-    ...                      Pose(0.0, 0.0, 0.0), Pose(1.0, 0.0, 0.03))
-    >>> nees_per_dof([window], k_left=1e-4, k_right=1e-4).round(3)
-    array([1.5])
-
-    """
-    stack = _stacked(windows, fewest=1)
-    covariance = _slip_covariance(stack, k_left, k_right) + _noise_covariance(stack, noise)
-    _, quadratic = likelihood(stack.error, covariance)
-    return quadratic / 3.0
+def _floor(stack: SlipWindow) -> Array:
+    """Return the least variances of the reference; of its stamps it may be 0."""
+    least = np.maximum(
+        SHARE * least_noise(stack.error, stack.left + stack.right), FINEST)
+    return np.append(least, 0.0) if stack.time.any() else least
 
 
-def _stacked(windows: Sequence[SlipWindow], fewest: int = FEWEST_WINDOWS) -> SlipWindow:
-    """Return the windows as one, whose arrays have a leading axis."""
-    if len(windows) < fewest:
-        raise ValueError(f'there are {len(windows)} windows, expected at least {fewest}')
-    stack = SlipWindow(*(np.stack([getattr(window, name) for window in windows])
-                         for name in SlipWindow.__dataclass_fields__))
-    for name in SlipWindow.__dataclass_fields__:
-        if not np.isfinite(getattr(stack, name)).all():
-            raise ValueError(f'a window has a {name} that is not finite, expected finite numbers')
-    return stack
+def _noise_parts(stack: SlipWindow) -> List[Array]:
+    """Return what the reference's noise is made of: its stamps only where there are twists."""
+    stamps = [stack.time] if stack.time.any() else []
+    return [stack.position, stack.heading, *stamps]
 
 
-def _slip_covariance(stack: SlipWindow, k_left: float, k_right: float) -> Array:
-    return (check_non_negative('k_left', k_left) * stack.left
-            + check_non_negative('k_right', k_right) * stack.right)
+def _constants(terms: Sequence[str], equal: bool) -> List[str]:
+    """Return the fields of the result that the slip constants go to."""
+    wheels = ['k_left'] if equal else ['k_left', 'k_right']
+    return [name for term in terms for name in (wheels if term == 'wheels' else [term])]
 
 
-def _noise_covariance(stack: SlipWindow, noise: ReferenceNoise) -> Array:
-    return (check_non_negative('sigma_position', noise.sigma_position)**2 * stack.position
-            + check_non_negative('sigma_heading', noise.sigma_heading)**2 * stack.heading)
-
-
-def _sigmas(
-        fit: Components, first: int, noise: Optional[ReferenceNoise]
-) -> Tuple[Estimate, Estimate]:
+def _sigmas(fit: Components, first: int, noise: Optional[ReferenceNoise]) -> List[Estimate]:
     """Return standard deviations of the noise; errors by ``d sigma = d variance / (2 sigma)``."""
     if noise is not None:
-        return Estimate(noise.sigma_position, 0.0), Estimate(noise.sigma_heading, 0.0)
-    position, heading = (
+        return [Estimate(sigma, 0.0) for sigma in noise]
+    found = [
         Estimate(math.sqrt(variance), 0.5 * error / math.sqrt(variance) if variance
                  else math.sqrt(error))
-        for variance, error in zip(fit.values[first:], fit.errors[first:]))
-    return position, heading
+        for variance, error in zip(fit.values[first:], fit.errors[first:])]
+    return (found + [NOTHING])[:3]

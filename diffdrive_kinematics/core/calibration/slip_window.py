@@ -18,25 +18,27 @@ Slip windows: stretches of wheel travel between reference poses, and what their 
 In the frame of its start, a window's error is the reference's relative pose minus that of wheel
 odometry.  If the systematic errors have been calibrated away, it is Gaussian with
 
-``P = k_l A_l + k_r A_r + s_p^2 N_p + s_h^2 N_h``,
+``P = k_l A_l + k_r A_r + k_d A_d + k_t A_t + k_x A_x + s_p^2 N_p + s_h^2 N_h + s_t^2 N_t``,
 
-where ``A_w`` is the covariance of the package for ``k_w = 1`` (see
-:func:`.covariance_along`), and s_p and s_h are the white noise of the reference's position (each
-axis) and heading.  Both ends carry it: ``N_p = diag(2, 2, 0)``, and ``N_h = j j^T + diag(0, 0,
-1)`` with ``j = (y, -x, -1)``, as an error of the heading at the start swings the whole
-displacement (x, y).
+where ``A_w`` is the covariance of the package for ``k_w = 1`` (see :func:`.covariance_along`;
+d, t and x are the slip of the body, see :class:`.BodySlip`), and s_p and s_h are the white noise
+of the reference's position (each axis) and heading, s_t that of its stamps, which moves a pose by
+its twist.  Both ends carry it: ``N_p = diag(2, 2, 0)``, and ``N_h = j j^T + diag(0, 0, 1)`` with
+``j = (y, -x, -1)``, as an error of the heading at the start swings the whole displacement (x, y).
 """
 
 from dataclasses import dataclass
 
 from diffdrive_kinematics.core.kinematics import between, Pose, WheelGeometry, wrap_angle
-from diffdrive_kinematics.core.noise import covariance_along
+from diffdrive_kinematics.core.noise import body_covariance_along, covariance_along
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 __all__ = ['SlipWindow', 'slip_window']
 
 Array = NDArray[np.float64]
+
+NO_TWISTS = ((0.0, 0.0), (0.0, 0.0))
 
 
 @dataclass(frozen=True)
@@ -52,8 +54,10 @@ class SlipWindow:
         Relative pose of the reference minus that of wheel odometry, theta wrapped.
     left, right : numpy.ndarray, shape (3, 3)
         A_l and A_r: covariance for a slip constant of 1 m.
-    position, heading : numpy.ndarray, shape (3, 3)
-        N_p and N_h: covariance for a reference noise of 1 m^2 and 1 rad^2.
+    body : numpy.ndarray, shape (3, 3, 3)
+        A_d, A_t and A_x: covariances for constants of 1 m, 1 rad and 1 rad^2/m of the body.
+    position, heading, time : numpy.ndarray, shape (3, 3)
+        N_p, N_h and N_t: covariance for a reference noise of 1 m^2, 1 rad^2 and 1 s^2.
 
     Examples
     --------
@@ -64,12 +68,15 @@ class SlipWindow:
     error: Array
     left: Array
     right: Array
+    body: Array
     position: Array
     heading: Array
+    time: Array
 
 
 def slip_window(
-        geometry: WheelGeometry, travel: ArrayLike, before: Pose, after: Pose) -> SlipWindow:
+        geometry: WheelGeometry, travel: ArrayLike, before: Pose, after: Pose, *,
+        twists: ArrayLike = NO_TWISTS) -> SlipWindow:
     """
     Return the window of wheel travel between two reference poses.
 
@@ -82,6 +89,9 @@ def slip_window(
     before, after : Pose
         Reference poses of the robot's centre (between the wheels) at the start and the end,
         floats, in one fixed frame.
+    twists : array_like, shape (2, 2)
+        Speed [m/s] and yaw rate [rad/s] at the start and at the end, of which the noise of the
+        stamps makes errors.
 
     Returns
     -------
@@ -120,8 +130,9 @@ def slip_window(
     error = measured - odometry
     error[2] = wrap_angle(float(error[2]))
     return SlipWindow(
-        error, left, right, np.diag([2.0, 2.0, 0.0]),
-        _heading_noise(float(pose.x), float(pose.y)))
+        error, left, right, body_covariance_along(geometry, moving), np.diag([2.0, 2.0, 0.0]),
+        _heading_noise(float(pose.x), float(pose.y)),
+        _time_noise(pose, np.asarray(twists, dtype=np.float64)))
 
 
 def _relative(before: Pose, after: Pose) -> Array:
@@ -132,3 +143,12 @@ def _relative(before: Pose, after: Pose) -> Array:
 def _heading_noise(x: float, y: float) -> Array:
     lever = np.array([y, -x, -1.0])
     return np.outer(lever, lever) + np.diag([0.0, 0.0, 1.0])
+
+
+def _time_noise(pose: Pose, twists: Array) -> Array:
+    """Return N_t, where a stamp that is late moves an end by its twist."""
+    (v_start, w_start), (v_end, w_end) = twists
+    start = np.array([w_start * pose.y - v_start, -w_start * pose.x, -w_start])
+    end = np.array([v_end * np.cos(pose.theta), v_end * np.sin(pose.theta), w_end])
+    noise: Array = np.outer(start, start) + np.outer(end, end)
+    return noise

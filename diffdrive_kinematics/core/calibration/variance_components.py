@@ -20,7 +20,7 @@ likelihood are those of a model of variance components (Harville 1977, J. Am. St
 72(358), eqs. 2.3 to 2.6).
 """
 
-from typing import List, NamedTuple, Tuple
+from typing import List, NamedTuple, Optional, Tuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -99,13 +99,15 @@ def likelihood(error: Array, covariance: Array) -> Tuple[Array, Array]:
     return log_det, np.einsum('ni,ni->n', error, solved)
 
 
-def fit_components(error: Array, parts: Array, given: Array) -> Components:
+def fit_components(
+        error: Array, parts: Array, given: Array, *, weights: Optional[Array] = None,
+        least: Optional[Array] = None) -> Components:
     """
     Fit ``P = given + sum of q_a parts_a``, q >= 0.
 
-    The likelihood may have several maxima: the search starts where all parts share the errors,
-    and where each one has nearly all of them.  A component that shrinks below ``VANISHED`` of
-    what would explain the errors alone is on its bound.
+    The likelihood may have several maxima, far apart: the search starts where all parts share
+    the errors, and where each one has nearly all of them.  A component that shrinks below
+    ``VANISHED`` of what would explain the errors alone is on its bound.
 
     Parameters
     ----------
@@ -115,6 +117,10 @@ def fit_components(error: Array, parts: Array, given: Array) -> Components:
         Covariance of each error for a variance of 1 of each part.
     given : numpy.ndarray, shape (n, 3, 3)
         The part that is known.
+    weights : numpy.ndarray, shape (n,), optional
+        How many errors each one stands for [1]; 1 without.
+    least : numpy.ndarray, shape (p,), optional
+        Least variances; 0 without.
 
     Returns
     -------
@@ -135,27 +141,49 @@ def fit_components(error: Array, parts: Array, given: Array) -> Components:
     (4, 1.0)
 
     """
+    data = _Data(error, parts, given, np.ones(len(error)) if weights is None else weights)
     scale = _scales(error, parts)
-    share = np.vstack([np.full(len(scale), 1.0 / len(scale)),
-                       np.full((len(scale), len(scale)), 1e-3) + np.eye(len(scale))])
-    found = [_scored(error, parts, given, start, 1e-2 * VANISHED * scale)
-             for start in share * scale]
+    bound = np.zeros(len(scale)) if least is None else least
+    found = [_scored(data, start, np.maximum(1e-2 * VANISHED * scale, bound))
+             for start in np.maximum(_shares(len(scale)) * scale, bound)]
     values = min(found, key=lambda each: each[1])[0]
-    return _summary(error, parts, given, np.where(values < VANISHED * scale, 0.0, values))
+    return _summary(
+        data, np.maximum(np.where(values < VANISHED * scale, 0.0, values), bound), bound)
 
 
-def _scored(
-        error: Array, parts: Array, given: Array, values: Array, least: Array
-) -> Tuple[Array, float]:
+class _Data(NamedTuple):
+    """Errors, what their covariances are made of, and how many errors each one stands for."""
+
+    error: Array
+    parts: Array
+    given: Array
+    weights: Array
+
+    def covariance(self, values: Array) -> Array:
+        found: Array = self.given + np.tensordot(values, self.parts, 1)
+        return found
+
+    def cost(self, values: Array) -> float:
+        """Return the negative log likelihood, without its constant."""
+        log_det, quadratic = likelihood(self.error, self.covariance(values))
+        return 0.5 * float(self.weights @ (log_det + quadratic))
+
+
+def _shares(parts: int) -> Array:
+    """Return which share of the errors each part has where a search starts, shape (k, parts)."""
+    return np.vstack([np.full((1, parts), 1.0 / parts), 1e-3 + np.eye(parts)])
+
+
+def _scored(data: _Data, values: Array, least: Array) -> Tuple[Array, float]:
     """Return where damped Fisher scoring on log q ends, and the cost there."""
-    cost, damping = _cost(error, parts, given, values), 1e-6
+    cost, damping = data.cost(values), 1e-6
+    gradient, expected, _ = _derivatives(data, values)
     for _ in range(300):
-        gradient, expected, _ = _derivatives(error, parts, given, values)
         normal = expected * np.outer(values, values)
         normal += damping * np.diag(np.diag(normal)) + 1e-12 * np.eye(len(values))
         step = np.clip(-np.linalg.solve(normal, gradient * values), -2.0, 2.0)
         trial = np.maximum(values * np.exp(step), least)
-        trial_cost = _cost(error, parts, given, trial)
+        trial_cost = data.cost(trial)
         if trial_cost > cost:
             damping = 10.0 * max(damping, 1e-3)
             if damping > 1e9:
@@ -165,6 +193,7 @@ def _scored(
         values, cost, damping = trial, trial_cost, 0.1 * damping
         if done:
             break
+        gradient, expected, _ = _derivatives(data, values)
     return values, cost
 
 
@@ -174,46 +203,40 @@ def _scales(error: Array, parts: Array) -> Array:
     sums = np.einsum('pnii->pi', parts)
     with np.errstate(divide='ignore', invalid='ignore'):
         scale: Array = np.nanmax(np.where(sums > 0.0, squares / sums, np.nan), axis=1)
+    scale = np.where(scale == 0.0, VANISHED * scale.max(), scale)  # errors elsewhere tell nothing
     if not (scale > 0.0).all():
         raise ValueError('all errors are 0, expected windows with errors of slip or noise')
     return scale
 
 
-def _cost(error: Array, parts: Array, given: Array, values: Array) -> float:
-    """Return the negative log likelihood, without its constant."""
-    log_det, quadratic = likelihood(error, given + np.tensordot(values, parts, 1))
-    return 0.5 * float((log_det + quadratic).sum())
-
-
-def _derivatives(
-        error: Array, parts: Array, given: Array, values: Array) -> Tuple[Array, Array, Array]:
+def _derivatives(data: _Data, values: Array) -> Tuple[Array, Array, Array]:
     """
     Return the gradient of the cost, and the expected and the observed information.
 
     With ``B_a = P^-1 A_a`` and ``w = P^-1 e``: ``g_a = (tr B_a - w^T A_a w) / 2``,
     ``I_ab = tr(B_a B_b) / 2``, ``J_ab = w^T A_a P^-1 A_b w - I_ab`` (Harville 1977).
     """
-    covariance = given + np.tensordot(values, parts, 1)
-    ratios = np.linalg.solve(covariance, parts)
-    weighted = np.linalg.solve(covariance, error[..., None])[..., 0]
-    pulls = np.einsum('anij,nj->ani', parts, weighted)
-    gradient: Array = 0.5 * (np.einsum('anii->a', ratios)
-                             - np.einsum('ni,ani->a', weighted, pulls))
-    expected: Array = 0.5 * np.einsum('anij,bnji->ab', ratios, ratios, optimize=True)
-    swung = np.linalg.solve(covariance, pulls[..., None])[..., 0]
+    inverse = np.linalg.inv(data.covariance(values))
+    ratios = inverse @ data.parts
+    weighted = np.einsum('nij,nj->ni', inverse, data.error)
+    pulls = np.einsum('anij,nj->ani', data.parts, weighted)
+    gradient: Array = 0.5 * ((np.einsum('anii->an', ratios)
+                              - np.einsum('ni,ani->an', weighted, pulls)) @ data.weights)
+    turned = (data.weights[:, None, None] * ratios).reshape(len(ratios), -1)
+    expected: Array = 0.5 * turned @ ratios.transpose(0, 1, 3, 2).reshape(len(ratios), -1).T
+    swung = np.einsum('nij,ani->anj', inverse, pulls) * data.weights[:, None]
     observed: Array = np.einsum('ani,bni->ab', pulls, swung) - expected
     return gradient, expected, observed
 
 
-def _summary(error: Array, parts: Array, given: Array, values: Array) -> Components:
-    _, expected, observed = _derivatives(error, parts, given, values)
+def _summary(data: _Data, values: Array, least: Array) -> Components:
+    _, expected, observed = _derivatives(data, values)
     _refuse_confounded(expected)
-    inside = bool((values > 0.0).all()) and bool((np.linalg.eigvalsh(observed) > 0.0).all())
+    inside = bool((values > least).all()) and bool((np.linalg.eigvalsh(observed) > 0.0).all())
     errors = np.sqrt(np.diag(np.linalg.inv(observed if inside else expected)))
-    _, quadratic = likelihood(error, given + np.tensordot(values, parts, 1))
+    _, quadratic = likelihood(data.error, data.covariance(values))
     return Components(
-        values.tolist(), errors.tolist(), -_cost(error, parts, given, values),
-        float(quadratic.mean()) / 3.0)
+        values.tolist(), errors.tolist(), -data.cost(values), float(quadratic.mean()) / 3.0)
 
 
 def _refuse_confounded(information: Array) -> None:

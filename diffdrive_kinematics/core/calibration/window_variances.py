@@ -28,7 +28,7 @@ from diffdrive_kinematics.core.calibration.window_weights import Variances
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ['START_VARIANCES', 'updated_variances']
+__all__ = ['START_VARIANCES', 'least_noise', 'updated_variances']
 
 Array = NDArray[np.float64]
 
@@ -98,7 +98,8 @@ def updated_variances(
     error = np.concatenate([part.error for part in parts])
     noise = np.concatenate([part.noise() for part in parts], axis=1)
     stack = np.concatenate([np.concatenate([part.slip for part in parts])[None], noise])
-    values, least = np.array(variances), _least_noise(error, stack[0])
+    values = np.array(variances)
+    least = np.array([FLOOR.slip, *least_noise(error, stack[0])])
     for _ in range(steps):
         inverse = np.linalg.inv(np.tensordot(values, stack, 1))
         pulled = np.einsum('wij,wj->wi', inverse, error)
@@ -111,8 +112,33 @@ def updated_variances(
     return Variances(*values.tolist())
 
 
-def _least_noise(error: Array, slip: Array) -> Array:
-    """Return least variances, from medians over the windows in which slip turns least."""
+def least_noise(error: Array, slip: Array) -> Array:
+    """
+    Return the least noise of a reference: a tenth of the errors of short windows.
+
+    Without it P may come out nearly singular, where a reference is perfect or windows are few;
+    then errors that are a little different are called impossible.
+
+    Parameters
+    ----------
+    error : numpy.ndarray, shape (w, 3)
+        Errors of windows (x [m], y [m], theta [rad]).
+    slip : numpy.ndarray, shape (w, 3, 3)
+        Covariances of slip; medians are of the half of the windows in which it turns least.
+
+    Returns
+    -------
+    numpy.ndarray, shape (2,)
+        Variances of x and y [m^2], and of the heading [rad^2].
+
+    Examples
+    --------
+    >>> error = np.random.default_rng(1).normal(0.0, 0.01, (1000, 3))
+    >>> least_noise(error, np.ones((1000, 3, 3))).round(6)
+    array([5.e-06, 5.e-06])
+
+    """
     short = slip[:, 2, 2] <= np.median(slip[:, 2, 2])
     x, y, heading = np.median(error[short]**2, axis=0) / 0.455  # of chi square, 1 degree
-    return np.maximum(FLOOR, [0.0, 0.25 * SHARE * (x + y), 0.5 * SHARE * heading])
+    return np.maximum(
+        [FLOOR.position, FLOOR.heading], [0.25 * SHARE * (x + y), 0.5 * SHARE * heading])
