@@ -21,7 +21,7 @@ Robots without encoders turn more or less than asked, lose speed in curves, and 
 
 from ``delay`` seconds after the command.  The share s of the speed that is kept falls with the
 curvature k = w / v: a loss of order n = 1 or 2 is ``s^n = 1 - |c k|^n``, down to a tenth; a table
-of factors at some |k| comes on top.  Backward is the mirror image of forward.
+of factors at some abs(k) comes on top.  Backward is the mirror image of forward.
 """
 
 from dataclasses import dataclass
@@ -71,7 +71,7 @@ class CommandResponse:
     Parameters
     ----------
     max_speed, max_yaw_rate : float
-        Largest |v| [m/s] and |w| [rad/s] driven; commands beyond count as these.
+        Largest speed [m/s] and yaw rate [rad/s] driven; commands beyond count as these.
     speed_gain : float
         Gain a [1] of the speed on a straight.
     yaw_rate_gain : float
@@ -81,7 +81,7 @@ class CommandResponse:
     turn_loss, turn_loss_order : float, int
         Loss c [m] and order n, 1 or 2: at k = 1 / c all speed but the last tenth is lost.
     curvatures, shares : tuple of float
-        Table over |k| [1/m] of what multiplies s [1]; the first and the last one hold beyond.
+        Table over abs(k) [1/m] of what multiplies s [1]; the first and the last one hold beyond.
     delay : float
         How late the robot follows [s].
 
