@@ -21,13 +21,14 @@ import pytest
 from sensor_msgs.msg import JointState
 from support.graph import JOINTS, set_stamp, stamp_ns
 
+pytestmark = pytest.mark.ros
+
 RADIUS = 0.021
 SETTINGS = {
     'wheel_radius': RADIUS, 'left_bias': 0.02, 'right_bias': -0.01, 'left_slip_variance': 4e-6,
     'right_slip_variance': 1e-6, 'seed': 7}
 MESSAGES = 2401
 Z_999 = 3.2905  # two-sided 99.9 % quantile of the standard normal
-IN_FLIGHT = 8
 
 
 def chi_square_bounds(degrees):
@@ -43,45 +44,25 @@ def rates_of(number):
     return 4.0 + math.sin(0.01 * number), -6.0 - math.cos(0.02 * number)
 
 
-def warm_up(graph, inputs, outputs, message, end):
-    """Let the wheels rest until the outputs are heard; then forget these."""
-    stamps = iter(range(end - 900_000_000, end, 1_000_000))
-
-    def heard():
-        set_stamp(message, next(stamps))
-        inputs.publish(message)
-        return outputs
-
-    graph.wait_for(heard, 'the noise node')
-    last = stamp_ns(message)
-    graph.wait_for(lambda: stamp_ns(outputs[-1]) == last, 'the end of the rest')
-    outputs.clear()
-
-
-def pass_through(graph, rate, settings=SETTINGS, messages=MESSAGES):
-    """Send wheel rates with stamps at a rate [Hz] through a noise node; return what comes out."""
-    noise = graph.start('wheel_noise', settings)
-    outputs = graph.collect(JointState, 'noisy_wheel_rates')
-    inputs = graph.publisher(JointState, 'wheel_rates')
-    message = JointState(name=JOINTS, velocity=[0.0, 0.0])
-    start, period = 1_000_000_000_000, round(1e9 / rate)
-    warm_up(graph, inputs, outputs, message, start)
-    for number in range(messages):
-        set_stamp(message, start + number * period)
-        message.velocity = list(rates_of(number))
-        inputs.publish(message)
-        graph.wait_for(lambda: len(outputs) > number - IN_FLIGHT, f'output {number}')
-    graph.wait_for(lambda: len(outputs) == messages, 'all outputs')
-    assert noise.stop() == 0
-    graph.node.destroy_publisher(inputs)
-    for subscription in list(graph.node.subscriptions):
-        graph.node.destroy_subscription(subscription)
-    return outputs
+def pass_through(diffdrive, rate, settings=SETTINGS, messages=MESSAGES):
+    """Send wheel rates at a rate [Hz] through a noise node; return what comes out."""
+    robot = diffdrive({'/**/diffdrive_sim': {'nodes': ['wheel_noise']}}, params=settings,
+                      clock_step=1.0 / rate)
+    message = JointState(name=JOINTS)
+    for rates in [(0.0, 0.0), *map(rates_of, range(messages))]:  # the first one is the baseline
+        robot.advance(1.0 / rate)
+        set_stamp(message, round(robot.time * 1e9))
+        message.velocity = list(rates)
+        robot.publish('wheel_rates', message)
+    outputs = [each.message for each in robot.history('noisy_wheel_rates')]
+    robot.close()
+    assert len(outputs) == messages + 1
+    return outputs[1:]
 
 
 @pytest.mark.parametrize('rate', [20.0, 100.0])
-def test_bias_and_slip_have_the_mean_and_variance_that_were_set(graph, rate):
-    outputs = pass_through(graph, rate)
+def test_bias_and_slip_have_the_mean_and_variance_that_were_set(diffdrive, rate):
+    outputs = pass_through(diffdrive, rate)
     positions = np.array([message.position for message in outputs])
     effective = RADIUS * np.diff(positions, axis=0)
     nominal = RADIUS / rate * np.array([rates_of(number) for number in range(MESSAGES - 1)])
@@ -99,8 +80,8 @@ def test_bias_and_slip_have_the_mean_and_variance_that_were_set(graph, rate):
         assert abs(gain - bias) < Z_999 * spread
 
 
-def test_velocity_is_the_rate_times_what_the_interval_past_made_of_its_travel(graph):
-    outputs = pass_through(graph, 20.0, messages=60)
+def test_velocity_is_the_rate_times_what_the_interval_past_made_of_its_travel(diffdrive):
+    outputs = pass_through(diffdrive, 20.0, messages=60)
     for number, (before, message) in enumerate(zip(outputs, outputs[1:]), start=1):
         for wheel in range(2):
             asked, nominal = rates_of(number)[wheel], rates_of(number - 1)[wheel] / 20.0
@@ -114,9 +95,9 @@ def test_velocity_is_the_rate_times_what_the_interval_past_made_of_its_travel(gr
     assert stamps == sorted(set(stamps))
 
 
-def test_same_seed_and_input_give_the_same_output_bit_for_bit(graph):
+def test_same_seed_and_input_give_the_same_output_bit_for_bit(diffdrive):
     def bits(seed):
-        outputs = pass_through(graph, 50.0, {**SETTINGS, 'seed': seed}, messages=300)
+        outputs = pass_through(diffdrive, 50.0, {**SETTINGS, 'seed': seed}, messages=300)
         return [(stamp_ns(message), *map(float.hex, (*message.position, *message.velocity)))
                 for message in outputs]
 
@@ -124,8 +105,8 @@ def test_same_seed_and_input_give_the_same_output_bit_for_bit(graph):
     assert bits(3) != bits(4)
 
 
-def test_bounded_slip_has_the_variance_that_was_set_and_stays_within_its_bounds(graph):
-    outputs = pass_through(graph, 50.0, {**SETTINGS, 'slip_distribution': 'uniform'})
+def test_bounded_slip_has_the_variance_that_was_set_and_stays_within_its_bounds(diffdrive):
+    outputs = pass_through(diffdrive, 50.0, {**SETTINGS, 'slip_distribution': 'uniform'})
     positions = np.array([[0.0, 0.0], *(message.position for message in outputs[1:])])
     effective = RADIUS * np.diff(positions, axis=0)[:, 0]
     nominal = RADIUS / 50.0 * np.array([rates_of(number)[0] for number in range(MESSAGES - 1)])
