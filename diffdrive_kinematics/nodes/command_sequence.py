@@ -23,6 +23,7 @@ from diffdrive_kinematics.core.commands import (
 from diffdrive_kinematics.core.kinematics import Command
 from diffdrive_kinematics.ros.messages.codec import TwistCodec
 from diffdrive_kinematics.ros.parameters.from_values import commands_from
+from diffdrive_kinematics.ros.parameters.package_share import resolved
 from diffdrive_kinematics.ros.parameters.tables import COMMAND_SEQUENCE
 from diffdrive_kinematics.ros.runtime.clocks import period_ns
 from diffdrive_kinematics.ros.runtime.diagnostics import Problem, RateSample, Status, WARN
@@ -62,7 +63,7 @@ def build(values: Mapping[str, Any]) -> Config:
         return Config(course_from_commands(commands), values, tuple(runs))
     try:
         return Config(course_from_recording(
-            read_commands(values['recording'], values['cmd_vel_topic'])), values)
+            read_commands(resolved(values['recording']), values['cmd_vel_topic'])), values)
     except ValueError as error:
         raise ValueError(f"recording is {values['recording']!r}: {error}") from error
 

@@ -83,13 +83,13 @@ class SquareNotes:
         began, self._began = self._began, poses
         if began is None:
             return ''
-        ends = [value for start, pose in zip(began, poses)
+        ends = [round(value, 9) + 0.0 for start, pose in zip(began, poses)
                 for value in compose(inverse(start), pose)[:2]]
         clockwise = self._squares.runs[self._done].clockwise
         row = ','.join([str(int(clockwise)), *(f'{value:.9f}' for value in ends)])
         write_files({self._path: f'{_content(self._path)}{row}\n'.encode()}, overwrite=True)
         self._done += 1
-        x, y, odom_x, odom_y = ends
+        x, y, odom_x, odom_y = (round(value, 4) + 0.0 for value in ends)
         return (f"run {self._done} of {len(self._squares.runs)}, {'' if clockwise else 'counter'}"
                 f'clockwise: ended at ({x:.4f}, {y:.4f}), by odometry at ({odom_x:.4f}, '
                 f'{odom_y:.4f}) [m], added to {self._path}')

@@ -19,7 +19,8 @@ import importlib.util
 import math
 import re
 
-from diffdrive_kinematics.core.kinematics import twist_from_wheel_rates, WheelGeometry
+from diffdrive_kinematics.core.kinematics import (
+    advance, Pose, twist_from_wheel_rates, WheelGeometry, wrap_angle)
 from diffdrive_kinematics.ros.parameters.package_share import share_directory
 import numpy as np
 import pytest
@@ -83,6 +84,25 @@ def test_a_kept_drive_calibrates_to_the_bias_of_its_robot_and_plays_again(graph,
     assert again.wait() == 0, again.output
     belief = re.search(r'^belief \(\S+\) +(\S+) +(\S+) +(\S+)$', again.output, re.M).groups()
     assert [float(each) for each in belief] == pytest.approx([0.0, 0.0, 0.0], abs=2e-4)
+
+
+def test_the_recording_that_is_installed_is_played_to_its_end_as_its_file_stands(graph):
+    sim = graph.start('diffdrive_sim', args=[
+        '--ros-args', '--params-file', str(CONFIG / 'recording.yaml'), '-p', 'clock_step:=0.05'])
+    assert sim.wait() == 0, sim.output
+    kept = columns_of(CONFIG / 'recording.csv')
+    pose = Pose(0.0, 0.0, 0.0)
+    for time, v, w in zip(np.diff(kept['time_sec']), kept['linear_x'], kept['angular_z']):
+        pose = advance(pose, v * time, w * time)
+    belief = re.search(r'^belief \(\S+\) +(\S+) +(\S+) +(\S+)$', sim.output, re.M).groups()
+    assert [float(each) for each in belief[:2]] == pytest.approx(pose[:2], abs=1e-4)
+    assert float(belief[2]) == pytest.approx(math.degrees(wrap_angle(pose.theta)), abs=6e-3)
+
+
+def test_a_recording_in_another_package_is_refused(graph):
+    sequence = graph.start('command_sequence', {'recording': 'package://other/drive.csv'})
+    assert sequence.wait() == 2
+    assert 'expected package://diffdrive_kinematics/' in sequence.output
 
 
 def test_a_robot_without_a_truth_is_kept_without_its_columns(graph, tmp_path):

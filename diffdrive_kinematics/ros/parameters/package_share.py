@@ -17,9 +17,10 @@
 from pathlib import Path
 from typing import List
 
-__all__ = ['share_directory', 'with_params_file']
+__all__ = ['resolved', 'share_directory', 'with_params_file']
 
 PACKAGE = 'diffdrive_kinematics'
+SCHEME = 'package://'
 
 
 def share_directory() -> Path:
@@ -42,6 +43,31 @@ def share_directory() -> Path:
         if (candidate / 'config' / 'demo.yaml').is_file():
             return candidate
     raise FileNotFoundError(f'config/demo.yaml is in none of {list(map(str, candidates))}')
+
+
+def resolved(path: str) -> str:
+    """
+    Return the path of a file that is named as one of the installed package.
+
+    Parameters
+    ----------
+    path : str
+        ``package://diffdrive_kinematics/`` and the path in its share directory, or another path,
+        which is returned as it is.
+
+    Raises
+    ------
+    ValueError
+        If another package is named.
+
+    """
+    if not path.startswith(SCHEME):
+        return path
+    package, _, inside = path[len(SCHEME):].partition('/')
+    if package != PACKAGE:
+        raise ValueError(f'{path!r} is in another package, expected {SCHEME}{PACKAGE}/..., or the '
+                         'path of a file')
+    return str(share_directory() / inside)
 
 
 def with_params_file(argv: List[str], name: str) -> List[str]:

@@ -29,7 +29,8 @@ COMMAND_SEQUENCE = (
     Spec('commands', [], 'The commands, each as speed v [m/s], yaw rate omega [rad/s] and '
          'duration [s], one after another in one flat list.', Kind.DOUBLES, read_only=True),
     string('recording', '', 'Recording to play instead of commands: a CSV file (or .csv.gz) with '
-           'the columns time_sec,linear_x,angular_z, or a bag with cmd_vel_topic.'),
+           'the columns time_sec,linear_x,angular_z, or a bag with cmd_vel_topic. The name of an '
+           'installed file begins with package://diffdrive_kinematics/.'),
     *SQUARE,
     Spec('square_speed', 0.2, 'Speed [m/s] along the sides of the square.', check=check_positive,
          read_only=True),

@@ -1,0 +1,86 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The tutorial without ROS tools: its commands run as they are written, and say what it says."""
+
+import csv
+from pathlib import Path
+import re
+import shlex
+import signal
+import subprocess
+import sys
+
+from diffdrive_kinematics.ros.parameters.package_share import share_directory
+import pytest
+
+ROOT = Path(__file__).parents[2]
+PAGE = (ROOT / 'docs' / 'tutorial' / 'without_ros_tools.md').read_text(encoding='utf-8')
+PORT = ['-p', 'web_view:port:=0']  # a free one: another test may have the usual
+
+
+def blocks(language):
+    """Return the blocks of the page in a language, in order."""
+    found = re.findall(rf'^```{language}\n(.*?)^```$', PAGE, re.M | re.S)
+    return [block.replace('\\\n', ' ') for block in found]
+
+
+@pytest.mark.timeout(900)  # one of them plays a recording in the time that it took
+def test_the_commands_of_the_tutorial_run_as_they_are_written(graph, tmp_path):
+    pytest.importorskip('matplotlib')
+    pytest.importorskip('nicegui')
+    (tmp_path / 'config').symlink_to(share_directory() / 'config')
+    script, = blocks('python')
+    (tmp_path / 'plot_drift.py').write_text(script, encoding='utf-8')
+    install, *commands = map(shlex.split, blocks('bash'))
+    assert install[:4] == ['python3', '-m', 'venv', '.venv']
+    said = {}
+    for words in commands:
+        name = words[0].removeprefix('.venv/bin/')
+        if name == 'python':
+            subprocess.run([sys.executable, *words[1:]], cwd=tmp_path, check=True,
+                           env={**graph._environment, 'MPLBACKEND': 'Agg'})
+            continue
+        web = 'config/web.yaml' in words
+        process = graph.start(name, args=[*words[1:], *(PORT if web else [])], cwd=tmp_path)
+        if web:
+            graph.wait_for(lambda: 'to drive; Ctrl-C ends' in process.output, 'the page')
+            process.send(signal.SIGINT)
+        assert process.wait() == 0, process.output
+        assert '[WARN]' not in process.output and '[ERROR]' not in process.output
+        said[words[-1]] = process.output
+    for name in re.findall(r'^Open `(\S+)`', PAGE, re.M) + re.findall(
+            r'(\w+\.(?:csv|png|yaml))', ' '.join(word for words in commands for word in words)):
+        assert any(tmp_path.rglob(name)) or (tmp_path / 'config' / name).exists(), name
+    told(tmp_path, '\n'.join(said.values()))
+
+
+def told(directory, said):
+    """See that what was said has the rows that the page shows, and the columns it names."""
+    for shown in blocks('text'):
+        for line in shown.splitlines():
+            if not line.startswith('recorded'):
+                assert line.split() in [each.split() for each in said.splitlines()], line
+    with open(directory / 'demo.csv', newline='', encoding='utf-8') as file:
+        columns = next(csv.reader(file))
+    assert all(f'`{column}`' in PAGE for column in columns)
+    measured = [float(each) for each in re.findall(r'E_max,syst \[mm\] +(\S+)', said)]
+    assert measured[0] > 150.0 and measured[1] < measured[0] / 10.0
+
+
+def test_the_pictures_of_the_readme_are_there():
+    readme = (ROOT / 'README.md').read_text(encoding='utf-8')
+    pictures = re.findall(r'!\[[^]]+\]\((\S+)\)', readme)
+    assert len(pictures) == 2
+    assert all((ROOT / picture).is_file() for picture in pictures)
