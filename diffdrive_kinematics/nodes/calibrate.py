@@ -46,8 +46,7 @@ from rclpy.clock_type import ClockType
 from sensor_msgs.msg import JointState
 from std_srvs.srv import Trigger
 
-PROGRESS_RATE = 0.5
-FAREWELL_S = HEARTBEAT_S + 1.0  # DDS can take that long to deliver the answer
+PROGRESS_RATE, FAREWELL_S = 0.5, HEARTBEAT_S + 1.0  # DDS can take that long for the answer
 INTERRUPTED = 'interrupted: nothing is written'
 
 

@@ -66,7 +66,7 @@ class Calibration:
     the slip of the body. ``source`` is
     the result it comes from, and what that was given, for the picture. ``columns`` says what
     the two numbers of each gain are. ``sessions`` are the parameters of what differs between
-    runs, where it is known.
+    runs, where it is known, and ``response`` those of how the robot follows its commands.
     """
 
     method: str
@@ -79,6 +79,7 @@ class Calibration:
     columns: Tuple[str, str] = ('before', 'after')
     body: BodySlip = NO_BODY_SLIP
     sessions: Mapping[str, float] = field(default_factory=dict)
+    response: Mapping[str, Any] = field(default_factory=dict)
 
 
 def of_squares(
@@ -118,6 +119,13 @@ def of_drives(
     """Return the calibration by trajectory fit; ``ValueError`` where the drives allow none."""
     whole = drives
     drives = [without_frozen_poses(drive, wheel_radius=geometry.wheel_radius) for drive in whole]
+    if values['fit_response']:
+        if not commands:
+            raise ValueError(
+                'fit_response is True, expected recordings of commands: linear_x,angular_z, or '
+                'Twist')
+        from diffdrive_kinematics.tools.calibration_response import of_commands
+        return of_commands(geometry, drives, equal_slip=values['equal_slip'], progress=progress)
     rounds = count(1)
     keep = values['mean_radius'] == 'keep' or commands and not values['mean_radius']
     windows = COMMANDED if commands else Windows()

@@ -17,11 +17,12 @@
 from typing import Any, List, Sequence, Tuple
 
 from diffdrive_kinematics.core.calibration import (
-    CalibrationParameters, linearised, odometry_at, RecordedDrive, ReturnError, TrajectoryFit,
-    Umbmark, windows_between)
+    CalibrationParameters, linearised, odometry_at, RecordedDrive, ResponseFit, ReturnError,
+    TrajectoryFit, Umbmark, windows_between)
 from diffdrive_kinematics.core.kinematics import Pose, WheelGeometry
 from diffdrive_kinematics.tools.calibration import Calibration
 from diffdrive_kinematics.tools.drawing import file_of, new_figure
+from diffdrive_kinematics.tools.response_drawing import draw_response
 import numpy as np
 
 __all__ = ['picture_of', 'way_by_odometry']
@@ -43,6 +44,9 @@ def picture_of(calibration: Calibration, suffix: str) -> bytes:
     if isinstance(calibration.source[0], Umbmark):
         figure = new_figure(figsize=(9.0, 6.0))
         _draw_returns(figure, *calibration.source)
+    elif isinstance(calibration.source[0], ResponseFit):
+        figure = new_figure(figsize=(9.0, 5.0))
+        draw_response(figure, *calibration.source)
     else:
         figure = new_figure(figsize=(13.0, 6.0))
         plan, errors = figure.subfigures(1, 2)

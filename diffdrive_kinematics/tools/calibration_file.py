@@ -76,21 +76,32 @@ def params_text(calibration: Calibration, name: str) -> str:
     if calibration.sessions:
         bias['wheel_separation_multiplier'] = geometry.wheel_separation_multiplier
         truth.update(dict.fromkeys(calibration.sessions, 0.0))
+    response = calibration.response
     nominal = {'wheel_radius': geometry.wheel_radius,
                'wheel_separation': geometry.wheel_separation}
     lines = [
         HEAD.format(method=calibration.method, remark=calibration.remarks[0], name=name)
         .rstrip('\n'),
         *_section('/**', {**nominal, **slips, **calibration.sessions}), '', COMPENSATION,
-        *(line for node in NODES for line in _section(f'/**/{node}', multipliers)), '', ROBOT,
-        *_section('/**/wheel_noise', bias), *_section('/**/ground_truth', truth), '', STAY,
+        *(line for node in NODES for line in _section(
+            f'/**/{node}', {**multipliers, **(response if node == NODES[0] else {})})),
+        '', ROBOT,
+        *_section('/**/wheel_noise', {**bias, **response}),
+        *_section('/**/ground_truth', truth), '', STAY,
         *_section('/**/calibrate', multipliers)]
     return '\n'.join(lines) + '\n'
 
 
-def _section(key: str, values: Mapping[str, float]) -> List[str]:
+def _section(key: str, values: Mapping[str, Any]) -> List[str]:
     return [f'{key}:', '  ros__parameters:', *(
-        f'    {name}: {_number(value)}' for name, value in values.items())]
+        f'    {name}: {_text(value)}' for name, value in values.items())]
+
+
+def _text(value: Any) -> str:
+    """Return a number or a list of numbers as YAML has it."""
+    if isinstance(value, list):
+        return f"[{', '.join(map(_number, value))}]"
+    return str(value) if isinstance(value, int) else _number(value)
 
 
 def _number(value: float) -> str:

@@ -106,6 +106,9 @@ CALIBRATE = (
            'keep: it stays as it is. Empty: keep for commands, of which a robot covers more or '
            'less; fit for all else.',
            check_one_of('', 'fit', 'keep')),
+    Spec('fit_response', False, 'Fit how the robot follows its commands, instead of its wheels, '
+         'and write it as response_* parameters. For recordings of commands.', Kind.BOOL,
+         read_only=True),
     Spec('equal_slip', True, 'Fit one slip constant for both wheels.', Kind.BOOL,
          read_only=True),
     string('output', 'calibration.yaml', 'Params file to write.', check_named),

@@ -1,0 +1,75 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""``calibrate`` on recordings of commands: the response that it writes is the robot's."""
+
+from diffdrive_kinematics.core.calibration import (
+    CalibrationParameters, drive_from_commands, odometry_at, responded)
+from diffdrive_kinematics.core.commands import CommandResponse
+from diffdrive_kinematics.core.kinematics import WheelGeometry
+from diffdrive_kinematics.ros.parameters.from_values import command_response
+from diffdrive_kinematics.ros.parameters.tables import DIFF_DRIVE_CONTROLLER
+import numpy as np
+import pytest
+import yaml
+
+GEOMETRY = WheelGeometry(0.3, 0.05)
+TRUTH = CommandResponse(0.2, 0.5, speed_gain=1.03, turn_loss=0.18, yaw_rate_gain=0.95, delay=0.2)
+
+
+def recording(path):
+    """Write commands, and where the robot is, 0.05 s apart."""
+    generator, stamps = np.random.default_rng(1), np.arange(0.0, 120.0, 0.2)
+    change = np.repeat(generator.uniform(-1.0, 1.0, (60, 2)), 10, axis=0)
+    commands = np.stack([0.15 + 0.05 * change[:, 0], 0.5 * change[:, 1]], axis=1)
+    bare = drive_from_commands(stamps, commands, stamps, np.zeros((600, 3)), geometry=GEOMETRY)
+    poses = odometry_at(GEOMETRY, responded(GEOMETRY, bare, TRUTH), CalibrationParameters())
+    np.savetxt(path, np.column_stack([stamps, commands, poses]), delimiter=',', comments='',
+               header='time_sec,linear_x,angular_z,x,y,yaw')
+    return str(path)
+
+
+def calibrate(graph, directory, *settings):
+    """Run calibrate in a directory; return the process."""
+    process = graph.start('calibrate', args=['--ros-args', *(
+        part for setting in (
+            'wheel_radius:=0.05', 'wheel_separation:=0.3', 'fit_response:=true',
+            f"output:={directory / 'found.yaml'}", f"picture:={directory / 'found.svg'}",
+            *settings) for part in ('-p', setting))])
+    return process
+
+
+def test_the_response_that_is_written_is_that_of_the_robot(graph, tmp_path):
+    process = calibrate(
+        graph, tmp_path, f"recordings:=[{recording(tmp_path / 'drive.csv')}]")
+    assert process.wait() == 0, process.output
+    sections = yaml.safe_load((tmp_path / 'found.yaml').read_text())
+    written = sections['/**/diff_drive_controller']['ros__parameters']
+    noise = sections['/**/wheel_noise']['ros__parameters']
+    found = {name: value for name, value in written.items() if name.startswith('response_')}
+    assert {name: noise[name] for name in found} == found
+    response = command_response({
+        **{entry.name: entry.default for entry in DIFF_DRIVE_CONTROLLER}, **found})
+    for name in ('speed_gain', 'yaw_rate_gain', 'veer', 'turn_loss', 'delay'):
+        assert getattr(response, name) == pytest.approx(getattr(TRUTH, name), abs=0.02), name
+    assert (tmp_path / 'found.svg').exists()
+
+
+def test_wheels_that_are_known_already_are_refused_with_a_response(graph, tmp_path):
+    process = calibrate(
+        graph, tmp_path, f"recordings:=[{recording(tmp_path / 'drive.csv')}]",
+        'wheel_separation_multiplier:=1.1')
+    assert process.wait() == 2
+    assert 'wheel_separation_multiplier is 1.1, expected 1.0 with fit_response' in process.output
+    assert not (tmp_path / 'found.yaml').exists()
