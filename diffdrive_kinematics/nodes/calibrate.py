@@ -33,8 +33,9 @@ from diffdrive_kinematics.ros.runtime.node import DiffDriveNode
 from diffdrive_kinematics.ros.runtime.output import exit_status, report
 from diffdrive_kinematics.ros.runtime.rclpy_private import MessageInfo
 from diffdrive_kinematics.ros.runtime.running import Interrupted, run, spin_node, Stop
-from diffdrive_kinematics.tools.calibration import Calibration, of_drives, of_squares, table
+from diffdrive_kinematics.tools.calibration import Calibration, of_squares, table
 from diffdrive_kinematics.tools.calibration_file import rendered
+from diffdrive_kinematics.tools.calibration_response import of_recordings
 from diffdrive_kinematics.tools.calibration_sources import read_drives, read_square_runs
 from diffdrive_kinematics.tools.collection import Collection
 from diffdrive_kinematics.tools.output_files import check_writable, write_files
@@ -168,7 +169,7 @@ class Calibrate(DiffDriveNode[Config]):
         self.get_logger().info(f'calibrating {self.collection.summary(geometry)}')
         with Progress() as progress:
             progress('fitting', begins=True)
-            calibration = of_drives(
+            calibration = of_recordings(
                 values, geometry, self.collection.drives(), clock=values['clock'] or 'none',
                 progress=progress)
             files = rendered(calibration, values)
@@ -190,7 +191,7 @@ def from_files(config: Config, progress: Progress) -> Calibration:
             raise ValueError(f"{values['square_runs']}: {error}") from error
     drives, commands, remarks = read_drives(values, geometry, progress)
     progress('fitting', begins=True)
-    calibration = of_drives(
+    calibration = of_recordings(
         values, geometry, drives, commands=commands,
         clock=values['clock'] or ('delay' if commands else 'auto'), progress=progress)
     return replace(calibration, remarks=(*calibration.remarks, *remarks))

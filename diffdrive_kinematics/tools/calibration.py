@@ -119,13 +119,6 @@ def of_drives(
     """Return the calibration by trajectory fit; ``ValueError`` where the drives allow none."""
     whole = drives
     drives = [without_frozen_poses(drive, wheel_radius=geometry.wheel_radius) for drive in whole]
-    if values['fit_response']:
-        if not commands:
-            raise ValueError(
-                'fit_response is True, expected recordings of commands: linear_x,angular_z, or '
-                'Twist')
-        from diffdrive_kinematics.tools.calibration_response import of_commands
-        return of_commands(geometry, drives, equal_slip=values['equal_slip'], progress=progress)
     rounds = count(1)
     keep = values['mean_radius'] == 'keep' or commands and not values['mean_radius']
     windows = COMMANDED if commands else Windows()

@@ -17,15 +17,34 @@
 from typing import Any, Callable, Dict, Mapping, Sequence
 
 from diffdrive_kinematics.core.calibration import (
-    Clock, COMMANDED, fit_drive_slip, fit_response, fit_trajectory, RecordedDrive, responded)
+    Clock, COMMANDED, fit_drive_slip, fit_response, fit_trajectory, RecordedDrive, responded,
+    without_frozen_poses)
 from diffdrive_kinematics.core.commands import CommandResponse
 from diffdrive_kinematics.core.kinematics import WheelGeometry
-from diffdrive_kinematics.tools.calibration import Calibration, Gain, MULTIPLIERS, Row
+from diffdrive_kinematics.tools.calibration import (
+    Calibration, Gain, MULTIPLIERS, of_drives, Row)
+from diffdrive_kinematics.tools.recordings import nobody
 
-__all__ = ['of_commands', 'response_parameters']
+__all__ = ['of_commands', 'of_recordings', 'response_parameters']
 
 UNITS = {'max_speed': 'm/s', 'max_yaw_rate': 'rad/s', 'veer': 'rad/m', 'turn_loss': 'm',
          'delay': 's'}
+
+
+def of_recordings(
+        values: Mapping[str, Any], geometry: WheelGeometry, drives: Sequence[RecordedDrive], *,
+        clock: str, commands: bool = False,
+        progress: Callable[[str], None] = nobody) -> Calibration:
+    """Return the calibration of wheels, or of the response; ``ValueError`` where there is none."""
+    if not values['fit_response']:
+        return of_drives(
+            values, geometry, drives, clock=clock, commands=commands, progress=progress)
+    if not commands:
+        raise ValueError(
+            'fit_response is True, expected recordings of commands: linear_x,angular_z, or Twist')
+    return of_commands(
+        geometry, [without_frozen_poses(drive, wheel_radius=geometry.wheel_radius)
+                   for drive in drives], equal_slip=values['equal_slip'], progress=progress)
 
 
 def of_commands(
