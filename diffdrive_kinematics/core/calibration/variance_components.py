@@ -15,12 +15,11 @@
 """
 Variance components of the greatest likelihood: what the covariances of errors are made of.
 
-``P = given + sum of q_a parts_a`` is linear in the variances q, so the derivatives of the
-likelihood are those of a model of variance components (Harville 1977, J. Am. Stat. Assoc.
-72(358), eqs. 2.3 to 2.6).
+``P = given + sum of q_a parts_a`` is linear in q: a model of variance components (Harville 1977,
+J. Am. Stat. Assoc. 72(358), eqs. 2.3 to 2.6).
 """
 
-from typing import List, NamedTuple, Optional, Tuple
+from typing import Any, List, NamedTuple, Optional, Tuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,10 +28,8 @@ __all__ = ['Components', 'fit_components', 'likelihood']
 
 Array = NDArray[np.float64]
 
-DISTINCT = 1e-7
-"""Smallest eigenvalue of the information's correlation matrix that counts as identified."""
-VANISHED = 1e-7
-"""Share of the errors below which a variance component is put to 0."""
+DISTINCT = 1e-7  # least eigenvalue of the information's correlation that counts as identified
+VANISHED = 1e-7  # share of the errors below which a variance component is put to 0
 
 
 class Components(NamedTuple):
@@ -105,9 +102,9 @@ def fit_components(
     """
     Fit ``P = given + sum of q_a parts_a``, q >= 0.
 
-    The likelihood may have several maxima, far apart: the search starts where all parts share
-    the errors, and where each one has nearly all of them.  A component that shrinks below
-    ``VANISHED`` of what would explain the errors alone is on its bound.
+    The likelihood may have several maxima: the search starts where all parts share the errors, and
+    where each one has nearly all.  A component that shrinks below ``VANISHED`` of what would
+    explain the errors alone is on its bound.
 
     Parameters
     ----------
@@ -152,7 +149,7 @@ def fit_components(
 
 
 class _Data(NamedTuple):
-    """Errors, what their covariances are made of, and how many errors each one stands for."""
+    """What is given."""
 
     error: Array
     parts: Array
@@ -165,19 +162,18 @@ class _Data(NamedTuple):
 
     def cost(self, values: Array) -> float:
         """Return the negative log likelihood, without its constant."""
-        log_det, quadratic = likelihood(self.error, self.covariance(values))
-        return 0.5 * float(self.weights @ (log_det + quadratic))
+        return 0.5 * float(self.weights @ sum(likelihood(self.error, self.covariance(values))))
 
 
 def _shares(parts: int) -> Array:
-    """Return which share of the errors each part has where a search starts, shape (k, parts)."""
+    """Return the share of the errors of each part where a search starts, shape (k, parts)."""
     return np.vstack([np.full((1, parts), 1.0 / parts), 1e-3 + np.eye(parts)])
 
 
 def _scored(data: _Data, values: Array, least: Array) -> Tuple[Array, float]:
     """Return where damped Fisher scoring on log q ends, and the cost there."""
     cost, damping = data.cost(values), 1e-6
-    gradient, expected, _ = _derivatives(data, values)
+    gradient, expected = _derivatives(data, values)
     for _ in range(300):
         normal = expected * np.outer(values, values)
         normal += damping * np.diag(np.diag(normal)) + 1e-12 * np.eye(len(values))
@@ -193,7 +189,7 @@ def _scored(data: _Data, values: Array, least: Array) -> Tuple[Array, float]:
         values, cost, damping = trial, trial_cost, 0.1 * damping
         if done:
             break
-        gradient, expected, _ = _derivatives(data, values)
+        gradient, expected = _derivatives(data, values)
     return values, cost
 
 
@@ -209,32 +205,38 @@ def _scales(error: Array, parts: Array) -> Array:
     return scale
 
 
-def _derivatives(data: _Data, values: Array) -> Tuple[Array, Array, Array]:
+def _derivatives(data: _Data, values: Array) -> Tuple[Array, Array]:
     """
-    Return the gradient of the cost, and the expected and the observed information.
+    Return the gradient of the cost, and the expected information.
 
-    With ``B_a = P^-1 A_a`` and ``w = P^-1 e``: ``g_a = (tr B_a - w^T A_a w) / 2``,
-    ``I_ab = tr(B_a B_b) / 2``, ``J_ab = w^T A_a P^-1 A_b w - I_ab`` (Harville 1977).
+    With ``B_a = P^-1 A_a`` and ``w = P^-1 e``: ``g_a = (tr B_a - w^T A_a w) / 2`` and
+    ``I_ab = tr(B_a B_b) / 2`` (Harville 1977).
     """
-    inverse = np.linalg.inv(data.covariance(values))
+    inverse, weighted, pulls = _pulls(data, values)
     ratios = inverse @ data.parts
-    weighted = np.einsum('nij,nj->ni', inverse, data.error)
-    pulls = np.einsum('anij,nj->ani', data.parts, weighted)
-    gradient: Array = 0.5 * ((np.einsum('anii->an', ratios)
-                              - np.einsum('ni,ani->an', weighted, pulls)) @ data.weights)
+    gradient: Array = 0.5 * ((np.trace(ratios, axis1=2, axis2=3)
+                              - (weighted * pulls).sum(axis=2)) @ data.weights)
     turned = (data.weights[:, None, None] * ratios).reshape(len(ratios), -1)
     expected: Array = 0.5 * turned @ ratios.transpose(0, 1, 3, 2).reshape(len(ratios), -1).T
-    swung = np.einsum('nij,ani->anj', inverse, pulls) * data.weights[:, None]
-    observed: Array = np.einsum('ani,bni->ab', pulls, swung) - expected
-    return gradient, expected, observed
+    return gradient, expected
+
+
+def _pulls(data: _Data, values: Array) -> Tuple[NDArray[np.floating[Any]], Array, Array]:
+    """Return P^-1, w = P^-1 e, and A_a w of each part."""
+    inverse = np.linalg.inv(data.covariance(values))
+    weighted = np.einsum('nij,nj->ni', inverse, data.error)
+    return inverse, weighted, (data.parts @ weighted[..., None])[..., 0]
 
 
 def _summary(data: _Data, values: Array, least: Array) -> Components:
-    _, expected, observed = _derivatives(data, values)
+    _, expected = _derivatives(data, values)
     _refuse_confounded(expected)
+    inverse, _, pulls = _pulls(data, values)  # observed: w^T A_a P^-1 A_b w less the expected
+    swung = (inverse @ pulls[..., None])[..., 0] * data.weights[:, None]
+    observed = pulls.reshape(len(pulls), -1) @ swung.reshape(len(swung), -1).T - expected
     inside = bool((values > least).all()) and bool((np.linalg.eigvalsh(observed) > 0.0).all())
     errors = np.sqrt(np.diag(np.linalg.inv(observed if inside else expected)))
-    _, quadratic = likelihood(data.error, data.covariance(values))
+    quadratic = likelihood(data.error, data.covariance(values))[1]
     return Components(
         values.tolist(), errors.tolist(), -data.cost(values), float(quadratic.mean()) / 3.0)
 
@@ -243,6 +245,5 @@ def _refuse_confounded(information: Array) -> None:
     """Raise where one parameter could be exchanged for others without changing any window."""
     size = np.sqrt(np.diag(information))
     if np.linalg.eigvalsh(information / np.outer(size, size))[0] < DISTINCT:
-        raise ValueError(
-            'the windows cannot tell slip and noise of the reference apart, expected windows '
-            'of different lengths and courses, or a given noise')
+        raise ValueError('the windows cannot tell slip and noise of the reference apart, expected '
+                         'windows of different lengths and courses, or a given noise')

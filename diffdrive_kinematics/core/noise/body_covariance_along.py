@@ -18,9 +18,11 @@ Covariance that the slip of the body gathers along a recorded path, beside that 
 As :mod:`.covariance_along`, to first order: linear in the constants, which is what a fit needs.
 """
 
+from typing import Tuple
+
 from diffdrive_kinematics.core.kinematics import pose_change_from_travel, sinc, WheelGeometry
 from diffdrive_kinematics.core.noise.arc_means import arc_means_of_all
-from diffdrive_kinematics.core.noise.matrices import pose_jacobians, rotations
+from diffdrive_kinematics.core.noise.matrices import gathered
 import numpy as np
 from numpy.typing import NDArray
 
@@ -65,26 +67,18 @@ def body_covariance_along(geometry: WheelGeometry, travel: Array) -> Array:
     theta = np.cumsum(turn)
     way, chord = theta - half, distance * sinc(half)
     x, y = np.cumsum(chord * np.cos(way)), np.cumsum(chord * np.sin(way))
-    onward = pose_jacobians(x[-1] - x, y[-1] - y) @ rotations(way)
-    of_distance, of_heading = _added(distance, chord, half)
-    weight = np.abs(np.stack([distance, turn, distance]))
-    gathered: Array = np.stack([
-        np.einsum('n,nij,njk,nlk->il', each, onward, added, onward, optimize=True)
-        for each, added in zip(weight, (of_distance, of_heading, of_heading))])
-    return gathered
+    return gathered(_added(distance, turn, chord, half), way, x[-1] - x, y[-1] - y)
 
 
-def _added(distance: Array, chord: Array, half: Array) -> Array:
-    """Return what errors of the distance, and of the heading, add, shape (2, n, 3, 3)."""
+def _added(distance: Array, turn: Array, chord: Array, half: Array) -> Tuple[Array, ...]:
+    """Return what each arc adds, in the axes of its middle direction, six times shape (3, n)."""
     e_mean, e_square, sine_square = arc_means_of_all(half)
-    added = np.zeros((2, len(half), 3, 3))
-    added[0, :, 1, 1] = half * half * sine_square
-    added[0, :, 0, 0] = 1.0 - added[0, :, 1, 1]
+    none, one = np.zeros_like(half), np.ones_like(half)
+    bow = half * half * sine_square
     middle, across = -0.5 * distance * e_mean, 0.5 * chord
-    added[1, :, 0, 0] = 0.25 * distance**2 * e_square
-    added[1, :, 0, 1] = added[1, :, 1, 0] = middle * across
-    added[1, :, 0, 2] = added[1, :, 2, 0] = middle
-    added[1, :, 1, 1] = across**2 + 0.25 * distance**2 * sine_square
-    added[1, :, 1, 2] = added[1, :, 2, 1] = across
-    added[1, :, 2, 2] = 1.0
-    return added
+    of_distance = 1.0 - bow, none, none, bow, none, none
+    of_heading = (0.25 * distance**2 * e_square, middle * across, middle,
+                  across**2 + 0.25 * distance**2 * sine_square, across, one)
+    along, around = np.abs(distance), np.abs(turn)
+    return tuple(np.stack([along * a, around * b, along * b])
+                 for a, b in zip(of_distance, of_heading))

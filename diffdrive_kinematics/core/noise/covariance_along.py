@@ -23,7 +23,7 @@ from typing import Tuple
 
 from diffdrive_kinematics.core.kinematics import Pose, pose_change_from_travel, sinc, WheelGeometry
 from diffdrive_kinematics.core.noise.arc_means import arc_means_of_all
-from diffdrive_kinematics.core.noise.matrices import pose_jacobians, rotations
+from diffdrive_kinematics.core.noise.matrices import gathered
 import numpy as np
 from numpy.typing import NDArray
 
@@ -66,26 +66,23 @@ def covariance_along(geometry: WheelGeometry, travel: Array) -> Tuple[Pose, Arra
     theta = np.cumsum(turn)
     way, chord = theta - half, distance * sinc(half)
     x, y = np.cumsum(chord * np.cos(way)), np.cumsum(chord * np.sin(way))
-    added = _added(geometry.separation, travel, chord, half)
-    onward = pose_jacobians(x[-1] - x, y[-1] - y) @ rotations(way)
-    gathered: Array = np.einsum('nij,nwjk,nlk->wil', onward, added, onward, optimize=True)
-    return Pose(float(x[-1]), float(y[-1]), float(theta[-1])), gathered
+    added = _added(geometry.separation, travel.T, chord, half)
+    return (Pose(float(x[-1]), float(y[-1]), float(theta[-1])),
+            gathered(added, way, x[-1] - x, y[-1] - y))
 
 
-def _added(separation: float, travel: Array, chord: Array, half: Array) -> Array:
-    """Return what each arc adds, in the axes of its middle direction, shape (n, 2, 3, 3)."""
-    e_mean, e_square, sine_square = (values[:, None] for values in arc_means_of_all(half))
-    cosine, sign = np.cos(half)[:, None], np.array([-1.0, 1.0])
+def _added(separation: float, travel: Array, chord: Array, half: Array) -> Tuple[Array, ...]:
+    """Return what each arc adds, in the axes of its middle direction, six times shape (2, n)."""
+    e_mean, e_square, sine_square = arc_means_of_all(half)
+    cosine, sign = np.cos(half), np.array([[-1.0], [1.0]])
     variance = np.abs(travel)
-    lever = -sign * travel[:, ::-1] / (2.0 * separation)
+    lever = -sign * travel[::-1] / (2.0 * separation)
     along = 0.5 * cosine + lever * e_mean
-    across = (chord / (2.0 * separation))[:, None]
-    added = np.empty((len(travel), 2, 3, 3))
-    added[..., 0, 0] = variance * (
-        0.25 * cosine**2 + lever * (cosine * e_mean + lever * e_square))
-    added[..., 0, 1] = added[..., 1, 0] = variance * sign * across * along
-    added[..., 0, 2] = added[..., 2, 0] = variance * sign * along / separation
-    added[..., 1, 1] = variance * (across**2 + lever**2 * sine_square)
-    added[..., 1, 2] = added[..., 2, 1] = variance * across / separation
-    added[..., 2, 2] = variance / separation**2
-    return added
+    across = chord / (2.0 * separation)
+    return (
+        variance * (0.25 * cosine**2 + lever * (cosine * e_mean + lever * e_square)),
+        variance * sign * across * along,
+        variance * sign * along / separation,
+        variance * (across**2 + lever**2 * sine_square),
+        variance * across / separation,
+        variance / separation**2)
