@@ -24,6 +24,9 @@ from diffdrive_kinematics.core.noise import (
     travel_of_command, WheelSlip)
 from diffdrive_kinematics.nodes.simulated_base import SimulatedBase
 from diffdrive_kinematics.nodes.wheel_noise import WheelNoise
+from diffdrive_kinematics.ros.parameters.descriptors import RANGES
+from diffdrive_kinematics.ros.parameters.parameter_checks import check_slip
+from diffdrive_kinematics.ros.parameters.tables import SIMULATED_BASE
 from nav_msgs.msg import Odometry
 import numpy as np
 import pytest
@@ -170,3 +173,21 @@ def test_a_curvature_asks_for_the_separation(graph):
     noise = graph.start('wheel_noise', {'wheel_radius': 0.02, 'session_curvature_stddev': 0.01})
     assert noise.wait() == 2
     assert 'wheel_separation is nan, expected the distance' in noise.output
+
+
+def test_a_covariance_is_finite_whatever_may_be_set():
+    most = {entry.name: RANGES[entry.check][1] for entry in SIMULATED_BASE
+            if entry.check is check_slip}
+    assert len(most) == 6
+    fractions = {f'session_{name}_stddev': 0.1 for name in ('scale', 'separation')}
+    with inside(SimulatedBase, {
+            **KHEPERA, **most, **fractions, 'enable_odom_tf': False}) as held:
+        for step in range(200):
+            time_ns = held.clock.now_ns() + 20_000_000
+            message = JointState(name=JOINTS, velocity=[30.0, 20.0 - 40.0 * (step > 100)])
+            set_stamp(message, time_ns)
+            held.hear('/wheel_rates', message)
+            held.advance_to(time_ns)
+        odometry = held.said['/odom'][-1]
+    assert np.isfinite(odometry.pose.covariance).all()
+    assert np.isfinite(odometry.twist.covariance).all()

@@ -18,8 +18,9 @@ from typing import Any, Callable, Dict, Mapping, Optional, Tuple
 
 from diffdrive_kinematics.core.kinematics import check_rate
 from diffdrive_kinematics.ros.parameters.parameter_checks import (
-    check_count, check_gear_ratio, check_optional_seed, check_port, check_seed, check_stages,
-    check_window, MOST, MOST_IN_WINDOW, MOST_STAGES)
+    check_count, check_delay, check_gear_ratio, check_optional_seed, check_port, check_seed,
+    check_slip, check_stages, check_update_rate, check_window, LEAST_UPDATE_RATE, MOST,
+    MOST_DELAY, MOST_IN_WINDOW, MOST_SLIP, MOST_STAGES, MOST_UPDATE_RATE)
 from diffdrive_kinematics.ros.parameters.parameter_spec import Kind, ParameterSpec
 from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor
 from rcl_interfaces.srv import DescribeParameters
@@ -31,7 +32,8 @@ RANGES: Dict[Any, Tuple[float, float]] = {  # of the checks that have two ends a
     check_count: (1, MOST), check_window: (1, MOST_IN_WINDOW), check_stages: (1, MOST_STAGES),
     check_port: (0, 65535), check_seed: (0, MOST_INTEGER),
     check_optional_seed: (-1, MOST_INTEGER), check_rate: (1e-6, 1e6),
-    check_gear_ratio: (1e-3, 1e6)}
+    check_gear_ratio: (1e-3, 1e6), check_update_rate: (LEAST_UPDATE_RATE, MOST_UPDATE_RATE),
+    check_delay: (0.0, MOST_DELAY), check_slip: (0.0, MOST_SLIP)}
 
 IMPOSSIBLE = {Kind.DOUBLE: -math.inf, Kind.INTEGER: -2**62, Kind.STRING: '~ ', Kind.STRINGS: (),
               Kind.DOUBLES: (-math.inf,)}

@@ -23,17 +23,21 @@ from rclpy.exceptions import InvalidTopicNameException
 from rclpy.validate_topic_name import validate_topic_name
 
 __all__ = [
-    'Check', 'check_bias', 'check_count', 'check_description', 'check_diagonal', 'check_frame',
+    'Check', 'check_bias', 'check_count', 'check_delay', 'check_description', 'check_diagonal',
+    'check_frame',
     'check_gear_ratio', 'check_horizon', 'check_joint_names', 'check_named',
     'check_non_negative_or_nan', 'check_offset', 'check_one_of', 'check_optional_picture',
     'check_optional_seed', 'check_optional_topic', 'check_picture', 'check_port', 'check_pose',
     'check_positive_or_nan', 'check_prefix', 'check_radius_multiplier', 'check_range',
     'check_rate_or_off', 'check_recording', 'check_resolution', 'check_rounds', 'check_seed',
-    'check_stages', 'check_step', 'check_topic', 'check_window']
+    'check_slip', 'check_stages', 'check_step', 'check_topic', 'check_update_rate', 'check_window']
 
 Check = Callable[[str, Any], Any]
 MOST, MOST_STAGES, MOST_IN_WINDOW, MOST_ROUNDS = 100_000, 25, 1000, 1000
 MOST_OFFSET = 1e9  # [s]
+LEAST_UPDATE_RATE, MOST_UPDATE_RATE = 10.0, 1e6  # [Hz]; a stop waits for the next step
+MOST_DELAY = 10.0  # [s], of what is kept meanwhile
+MOST_SLIP = 1e3  # [m, rad, rad^2/m, rad/m]; with more, covariances are no numbers
 
 
 def check_rate_or_off(name: str, value: float) -> None:
@@ -117,6 +121,23 @@ def check_optional_picture(name: str, value: str) -> None:
 def check_recording(name: str, value: str) -> None:
     if value and not value.endswith(('.csv', '.mcap')):
         raise ValueError(f'{name} is {value!r}, expected the name of an .mcap file or a .csv file')
+
+
+def check_update_rate(name: str, value: float) -> None:
+    if not LEAST_UPDATE_RATE <= value <= MOST_UPDATE_RATE:
+        raise ValueError(
+            f'{name} is {value!r}, expected a rate from {LEAST_UPDATE_RATE:g} to '
+            f'{MOST_UPDATE_RATE:g} Hz, since a stop takes effect at the next step')
+
+
+def check_delay(name: str, value: float) -> None:
+    if not 0.0 <= value <= MOST_DELAY:
+        raise ValueError(f'{name} is {value!r}, expected a time from 0 to {MOST_DELAY:g} s')
+
+
+def check_slip(name: str, value: float) -> None:
+    if not 0.0 <= value <= MOST_SLIP:
+        raise ValueError(f'{name} is {value!r}, expected a finite number from 0 to {MOST_SLIP:g}')
 
 
 def check_one_of(*known: str) -> Check:

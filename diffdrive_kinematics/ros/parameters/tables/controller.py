@@ -19,7 +19,7 @@ from typing import Tuple
 
 from diffdrive_kinematics.core.kinematics import check_duration, check_rate
 from diffdrive_kinematics.ros.parameters.parameter_checks import (
-    check_frame, check_offset)
+    check_frame, check_offset, check_update_rate)
 from diffdrive_kinematics.ros.parameters.parameter_spec import (
     Kind, ParameterSpec as Spec, string, topic)
 from diffdrive_kinematics.ros.parameters.tables.shared import (
@@ -91,7 +91,7 @@ DIFF_DRIVE_CONTROLLER = (
     Spec('publish_rate', 50.0, 'Rate [Hz] at which the wheel rates are repeated.',
          check=check_rate),
     Spec('update_rate', 100.0, 'Rate [Hz] at which ramps step. Each step is published.',
-         check=check_rate),
+         check=check_update_rate),
     Spec('max_wheel_rate', math.nan, 'Highest rate [rad/s] of every wheel. Beyond it the rates '
          'of both sides are scaled by one factor, so that the path keeps its curvature. NaN: no '
          'limit.'),

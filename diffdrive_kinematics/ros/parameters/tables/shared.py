@@ -16,13 +16,12 @@
 
 import math
 
-from diffdrive_kinematics.core.kinematics import (
-    check_duration, check_non_negative, check_positive)
+from diffdrive_kinematics.core.kinematics import check_non_negative, check_positive
 from diffdrive_kinematics.core.noise import (
     check_distribution, check_session_fraction, DISTRIBUTIONS)
 from diffdrive_kinematics.ros.parameters.parameter_checks import (
-    check_bias, check_gear_ratio, check_joint_names, check_non_negative_or_nan, check_one_of,
-    check_pose, check_radius_multiplier, check_range, check_rate_or_off)
+    check_bias, check_delay, check_gear_ratio, check_joint_names, check_non_negative_or_nan,
+    check_one_of, check_pose, check_radius_multiplier, check_range, check_rate_or_off, check_slip)
 from diffdrive_kinematics.ros.parameters.parameter_spec import Kind, ParameterSpec as Spec
 
 DIAGNOSTICS = Spec(
@@ -90,7 +89,7 @@ RESPONSE = (
     Spec('response_curvatures', [], 'values of |k| [1/m] from 0 on at which a table has factors '
          'on s', Kind.DOUBLES),
     Spec('response_shares', [], 'the factors', Kind.DOUBLES),
-    Spec('response_delay', 0.0, 'how late the robot follows [s]', check=check_duration))
+    Spec('response_delay', 0.0, 'how late the robot follows [s]', check=check_delay))
 BIAS = (
     Spec('left_bias', 0.0, 'Fraction of its travel by which the left wheel goes further, above '
          '-1.',
@@ -101,26 +100,26 @@ BIAS = (
 SLIP = (
     Spec('left_slip_variance', 0.0, 'Slip constant k [m] of the left wheel: the variance of the '
          'error of its travel is k times the length of the travel.',
-         check=check_non_negative),
+         check=check_slip),
     Spec('right_slip_variance', 0.0, 'Slip constant k [m] of the right wheel: the variance of '
          'the error of its travel is k times the length of the travel.',
-         check=check_non_negative),
+         check=check_slip),
     Spec('linear_slip_variance', 0.0, 'Slip constant k_d [m] of the body, beside that of the '
          'wheels: the variance of the error of the distance is k_d times the distance.',
-         check=check_non_negative),
+         check=check_slip),
     Spec('turn_slip_variance', 0.0, 'Slip constant k_t [rad] of the body: the variance of the '
          'error of the yaw is k_t times the angle turned, plus k_x times the distance.',
-         check=check_non_negative),
+         check=check_slip),
     Spec('heading_slip_variance', 0.0, 'Slip constant k_x [rad^2/m] of the body: see '
          'turn_slip_variance.',
-         check=check_non_negative))
+         check=check_slip))
 SESSION = (
     Spec('session_scale_stddev', 0.0, 'Standard deviation, between runs, of the fraction by '
          'which all travel of a run is longer, 0 to 0.1.', check=check_session_fraction),
     Spec('session_separation_stddev', 0.0, 'Standard deviation, between runs, of the fraction '
          'by which the separation is larger, 0 to 0.1.', check=check_session_fraction),
     Spec('session_curvature_stddev', 0.0, 'Standard deviation, between runs, of the heading '
-         'that is gained per metre of travel [rad/m].', check=check_non_negative))
+         'that is gained per metre of travel [rad/m].', check=check_slip))
 DISTRIBUTION = Spec(
     'slip_distribution', 'gaussian', 'Distribution of the slip, with the variance that is set: '
     f"{', '.join(DISTRIBUTIONS)}.", Kind.STRING, check_distribution)
