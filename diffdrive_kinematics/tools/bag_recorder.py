@@ -21,14 +21,12 @@ The file is written in a directory beside its place and moved there when it is c
 
 from contextlib import suppress
 from importlib import import_module
-import os
 from pathlib import Path
-import secrets
 import shutil
 from typing import Any, Callable, Dict, Iterable
 
 from diffdrive_kinematics.tools.bags import MISSING
-from diffdrive_kinematics.tools.output_files import check_writable, place
+from diffdrive_kinematics.tools.output_files import check_writable, part_of, place
 from rclpy.publisher import Publisher
 from rclpy.serialization import serialize_message
 
@@ -61,12 +59,11 @@ class BagRecorder:
 
     def __init__(self, path: str, *, overwrite: bool) -> None:
         try:
-            check_writable(path, name='record', overwrite=overwrite)
+            check_writable(path, name='record', overwrite=overwrite, grows=True)
         except ValueError as error:
             raise CannotRecord(str(error)) from error
         self._path, self._overwrite, self._failed = path, overwrite, ''
-        target = Path(os.path.realpath(path))
-        self._directory = target.with_name(f'.part-{secrets.token_hex(6)}')
+        self._directory = Path(part_of(path))
         self._writer: Any = _writer(str(self._directory))
         self.count = 0
 

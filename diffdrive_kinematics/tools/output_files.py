@@ -17,7 +17,7 @@ Files that executables write: as a whole or not at all, and never over one that 
 
 Every file is written under another name beside its place, brought to the disk, and then renamed.
 A link is followed, and an old file keeps its mode and owner.  What is no file (a pipe, a
-terminal) is written to as it is.
+terminal) is written to as it is, but for what grows, which has to be a file.
 """
 
 from contextlib import suppress
@@ -28,10 +28,13 @@ import secrets
 import stat
 from typing import Dict, Mapping, TextIO, Tuple
 
-__all__ = ['GrowingFile', 'check_writable', 'place', 'write_files']
+__all__ = ['GrowingFile', 'check_writable', 'part_of', 'place', 'write_files']
+
+SHOWN = 40  # characters: names of files end at 255 bytes
 
 
-def check_writable(path: str, *, name: str = 'output', overwrite: bool) -> None:
+def check_writable(
+        path: str, *, name: str = 'output', overwrite: bool, grows: bool = False) -> None:
     """
     Raise ``ValueError`` unless a file can be written there, without writing it.
 
@@ -43,12 +46,17 @@ def check_writable(path: str, *, name: str = 'output', overwrite: bool) -> None:
         Of the parameter that says so.
     overwrite : bool
         Whether a file that is there may be replaced.
+    grows : bool
+        Whether it is written bit by bit, for which a pipe or a device does not do.
 
     """
     file = Path(path)
     if file.is_dir():
         raise ValueError(f'{name} is {path!r}, which is a directory, expected a file')
     if _is_special(path):
+        if grows:
+            raise ValueError(
+                f'{name} is {path!r}, which is a pipe or a device, expected a regular file')
         return
     if os.path.exists(path) and not overwrite:
         raise ValueError(
@@ -136,6 +144,12 @@ def place(written: str, path: str, *, overwrite: bool) -> None:
     os.replace(written, os.path.realpath(path))
 
 
+def part_of(path: str) -> str:
+    """Return a new name beside a file, for what is to be that file when it is complete."""
+    target = Path(os.path.realpath(path))
+    return str(target.with_name(f'.{target.name[:SHOWN]}.part-{secrets.token_hex(4)}'))
+
+
 class GrowingFile:
     """
     A text that is written bit by bit beside its place, and put there when it is complete.
@@ -157,9 +171,9 @@ class GrowingFile:
     """
 
     def __init__(self, path: str, *, name: str, overwrite: bool) -> None:
-        check_writable(path, name=name, overwrite=overwrite)
+        check_writable(path, name=name, overwrite=overwrite, grows=True)
         self._path, self._overwrite, self._failed = path, overwrite, ''
-        self._part = path if _is_special(path) else _write_beside(path, b'')
+        self._part = _write_beside(path, b'')
         self._file: TextIO = open(self._part, 'w', encoding='utf-8', newline='')
 
     def write(self, text: str) -> None:
@@ -176,9 +190,8 @@ class GrowingFile:
             if self._failed:
                 raise OSError(self._failed)
             self._file.flush()
-            if self._part != self._path:
-                os.fsync(self._file.fileno())
-                place(self._part, self._path, overwrite=self._overwrite)
+            os.fsync(self._file.fileno())
+            place(self._part, self._path, overwrite=self._overwrite)
         except OSError as error:
             raise ValueError(f'{self._path} cannot be written: {error}') from error
         finally:
@@ -188,9 +201,8 @@ class GrowingFile:
         """Leave nothing of a text that is not complete."""
         with suppress(OSError):
             self._file.close()
-        if self._part != self._path:
-            with suppress(OSError):
-                os.unlink(self._part)
+        with suppress(OSError):
+            os.unlink(self._part)
 
 
 def _is_special(path: str) -> bool:
@@ -207,8 +219,13 @@ def _write_beside(path: str, content: bytes, *, durable: bool = True) -> str:
     target = Path(os.path.realpath(path))
     if target.is_symlink():
         raise OSError(errno.ELOOP, os.strerror(errno.ELOOP))
-    name = str(target.with_name(f'.part-{secrets.token_hex(6)}'))
-    handle = os.open(name, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666)
+    if not target.parent.exists():
+        raise FileNotFoundError(f'directory {target.parent} does not exist')
+    name = part_of(path)
+    try:
+        handle = os.open(name, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666)
+    except OSError as error:
+        raise OSError(error.errno, error.strerror, str(target)) from error
     try:
         with os.fdopen(handle, 'wb') as file:
             file.write(content)

@@ -65,7 +65,7 @@ class SquareNotes:
         if len(start) != 1 or start[0].truth is None:
             raise ValueError(
                 f'square_runs is {path!r}, expected one robot with a belief and a ground truth')
-        check_writable(path, name='square_runs', overwrite=True)
+        check_writable(path, name='square_runs', overwrite=True, grows=True)
         _content(path)
         self._path, (self._squares,), self._done = path, squares, 0
         self._began: Optional[Tuple[Pose, Pose]] = None

@@ -14,6 +14,7 @@
 
 """Runs around a square that the simulator drives, notes and calibrates by itself."""
 
+import os
 import re
 
 from diffdrive_kinematics.ros.parameters.package_share import share_directory
@@ -75,6 +76,14 @@ def test_a_file_of_something_else_is_refused_before_the_drive_and_stays(graph, t
     assert 'expected a new file, or one with' in simulated(
         graph, f'square_runs:={other}', status=2)
     assert other.read_text() == 'time_sec,x\n1,2\n'
+
+
+@pytest.mark.parametrize('name', ['record', 'square_runs'])
+def test_a_pipe_is_refused_before_the_drive_where_a_file_has_to_grow(graph, tmp_path, name):
+    pipe = tmp_path / 'runs.csv'
+    os.mkfifo(pipe)
+    said = simulated(graph, f'{name}:={pipe}', status=2)
+    assert f'{name} is' in said and 'a pipe or a device' in said and ' s   belief' not in said
 
 
 @pytest.mark.parametrize('settings, words', [

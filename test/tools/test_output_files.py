@@ -18,6 +18,7 @@ import os
 from pathlib import Path
 import stat
 
+from diffdrive_kinematics.tools import output_files
 from diffdrive_kinematics.tools.output_files import check_writable, GrowingFile, write_files
 import pytest
 
@@ -140,12 +141,39 @@ def test_a_growing_text_replaces_no_file_that_has_come_meanwhile(tmp_path):
     assert file.read_text() == 'mine' and [*tmp_path.iterdir()] == [file]
 
 
-def test_a_full_disk_is_said_at_the_end_of_a_growing_text(tmp_path):
-    link = tmp_path / 'full.csv'
-    link.symlink_to('/dev/full')
-    growing = GrowingFile(str(link), name='record', overwrite=False)
+def test_a_full_disk_is_said_at_the_end_of_a_growing_text(tmp_path, monkeypatch):
+    monkeypatch.setattr(  # its file is on a device that is always full
+        output_files, 'open', lambda _, *how, **more: open('/dev/full', *how, **more),
+        raising=False)
+    growing = GrowingFile(str(tmp_path / 'run.csv'), name='record', overwrite=False)
     for _ in range(10_000):
         growing.write('a row\n')
     with pytest.raises(ValueError, match='No space left'):
         growing.close()
-    assert link.is_symlink()
+    assert not [*tmp_path.iterdir()]
+
+
+@pytest.mark.parametrize('device', [False, True])
+def test_what_grows_is_refused_where_there_is_a_pipe_or_a_device(tmp_path, device):
+    path = tmp_path / 'run.csv'
+    path.symlink_to('/dev/full') if device else os.mkfifo(path)
+    with pytest.raises(ValueError, match='^record is .*run.csv.* pipe or a device'):
+        check_writable(str(path), name='record', overwrite=True, grows=True)
+
+
+def test_a_file_that_is_not_complete_has_the_name_of_what_it_is_to_be(tmp_path):
+    for name in ('run.csv', 250 * 'n' + '.csv'):
+        growing = GrowingFile(str(tmp_path / name), name='record', overwrite=False)
+        (part,) = tmp_path.iterdir()
+        assert part.name.startswith(f'.{name[:40]}') and '.part-' in part.name
+        growing.close()
+        (tmp_path / name).unlink()
+
+
+def test_a_directory_that_does_not_exist_is_said_without_the_name_of_the_part(tmp_path):
+    (tmp_path / 'file').touch()
+    with pytest.raises(ValueError, match=f'directory {tmp_path / "no"} does not exist$'):
+        check_writable(str(tmp_path / 'no' / 'a'), overwrite=False)
+    with pytest.raises(ValueError, match='Not a directory') as error:
+        check_writable(str(tmp_path / 'file' / 'a'), overwrite=False)
+    assert '.part-' not in str(error.value)
