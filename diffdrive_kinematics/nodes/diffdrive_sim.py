@@ -20,7 +20,7 @@ import sys
 import time
 from typing import Any, Dict, List, Mapping, Tuple, Type, TYPE_CHECKING
 
-from diffdrive_kinematics.ros.parameters.configuration_error import ConfigurationError
+from diffdrive_kinematics.ros.parameters.configuration_error import refusing
 from diffdrive_kinematics.ros.parameters.members import Member, members_of
 from diffdrive_kinematics.ros.parameters.tables import DIFFDRIVE_SIM
 from diffdrive_kinematics.ros.runtime.alone import check_alone, Disturbed
@@ -103,17 +103,16 @@ class DiffDriveSim(DiffDriveNode[Config]):
         self._sequences: 'List[CommandSequence]' = self._of('command_sequence')
         self._courses: List[DiffDriveNode] = [*self._sequences, *(
             node for node in self._of('goal_steering') if node.config.goals)]
-        self._shown = -1
+        self._shown, self._rest_by_ns = -1, 0
         self.keeping = Keeping(
             lambda: moments_of(self._bases(), self._now_ns()), self._now_ns)
-        self._live = LiveLine()
-        self._rest_by_ns = 0
-        self._began_s = self._now_ns() / 1e9
+        self._live, self._began_s = LiveLine(), self._now_ns() / 1e9
 
     def _of(self, *kinds: str) -> List[Any]:
         return [node for node, member in zip(self.members, self.config.members)
                 if member.kind in kinds]
 
+    @refusing()
     def keep(self) -> None:
         """Keep the drive from now on, in what files it is to be kept."""
         self.keeping.begin(self.parameters.values, [
@@ -168,16 +167,17 @@ class DiffDriveSim(DiffDriveNode[Config]):
 
     def _bases(self) -> List[Tuple[Any, bool]]:
         """Return the bases, and whether each is fed with what comes out of a noise node."""
-        noisy = {
-            node.resolve_topic_name(node.config.values['output_topic'])
-            for node in self._of('wheel_noise')}
+        noisy = {node.resolve_topic_name(node.config.values['output_topic'])
+                 for node in self._of('wheel_noise')}
         return [
             (base, base.resolve_topic_name(base.config.values['wheel_motion_topic']) in noisy)
             for base in self._of(*BASES)]
 
     def _finished(self) -> bool:
         """Note and show how far it is; return whether the course is done, the robot at rest."""
-        self._show(self.keeping.note())
+        with refusing():
+            line = self.keeping.note()
+        self._show(line)
         self._live(lambda: pose_line(self._now_ns() / 1e9 - self._began_s, self.robots()))
         if not self._courses:
             return False
@@ -224,7 +224,9 @@ def _work(stop: Stop) -> int:
     try:
         sim.keep()
         sim.run(stop)
-        for line in (*sim.keeping.close(finished=sim.finished()), *sim.calibrated()):
+        with refusing():
+            lines = *sim.keeping.close(finished=sim.finished()), *sim.calibrated()
+        for line in lines:
             report(line)
         if sim.begun():
             report(drift_table(sim.robots()))
@@ -233,8 +235,6 @@ def _work(stop: Stop) -> int:
     except Disturbed:
         time.sleep(FAREWELL_S)  # still to be seen, or the other one might never know
         raise
-    except ValueError as error:
-        raise ConfigurationError(str(error)) from error
     finally:
         sim.keeping.discard()
         sim.destroy_node()

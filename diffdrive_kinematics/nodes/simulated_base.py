@@ -18,7 +18,7 @@ from dataclasses import dataclass
 from typing import Any, Mapping, Optional
 
 from diffdrive_kinematics.core.kinematics import WheelGeometry
-from diffdrive_kinematics.core.noise import NO_COVARIANCE, PoseMoments
+from diffdrive_kinematics.core.noise import NO_COVARIANCE, PoseCovariance, PoseMoments
 import diffdrive_kinematics.core.odometry as core
 from diffdrive_kinematics.core.odometry import Encoder, timeout_from_seconds, Verdict, WheelPair
 from diffdrive_kinematics.ros.inputs.driver_watch import DriverWatch
@@ -123,6 +123,10 @@ class SimulatedBase(DiffDriveNode[Config]):
     def reading(self) -> core.BaseState:
         """Return the base as it is now."""
         return self._odometry.predict(self._updated_now())
+
+    def covariance(self) -> PoseCovariance:
+        """Return the covariance of the pose now, as it is published."""
+        return self._odometry.covariance_at(self._updated_now())
 
     def moments(self) -> PoseMoments:
         """Return what is known of the error of the pose now."""

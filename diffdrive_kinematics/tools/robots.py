@@ -29,6 +29,9 @@ class Base(Protocol):
     def reading(self) -> BaseState:
         """Return the base as it is now."""
 
+    def covariance(self) -> PoseCovariance:
+        """Return the covariance of the pose now, as it is published."""
+
     def moments(self) -> PoseMoments:
         """Return what is known of the error of the pose now."""
 
@@ -72,7 +75,7 @@ def moments_of(bases: Bases, time_ns: int) -> List[Moment]:
         found.setdefault(namespace, {}).setdefault(role, base)
     return [
         Moment(namespace, time_ns, roles['belief'].reading(),
-               roles['belief'].moments().second_moment(),
+               roles['belief'].covariance(),
                roles['truth'].reading().pose if 'truth' in roles else None)
         for namespace, roles in found.items() if 'belief' in roles]
 

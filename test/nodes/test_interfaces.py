@@ -145,7 +145,7 @@ def made(name):
     if name == 'diffdrive_sim':
         return kind()
     if name == 'calibrate':
-        node = kind(None, timers=SteadyTimers())
+        node = kind(timers=SteadyTimers())
         node.listen()
         return node
     return kind(timers=SteadyTimers())

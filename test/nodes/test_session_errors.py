@@ -27,6 +27,7 @@ from diffdrive_kinematics.nodes.wheel_noise import WheelNoise
 from diffdrive_kinematics.ros.parameters.descriptors import RANGES
 from diffdrive_kinematics.ros.parameters.parameter_checks import check_slip
 from diffdrive_kinematics.ros.parameters.tables import SIMULATED_BASE
+from diffdrive_kinematics.tools.robots import moments_of
 from nav_msgs.msg import Odometry
 import numpy as np
 import pytest
@@ -191,3 +192,14 @@ def test_a_covariance_is_finite_whatever_may_be_set():
         odometry = held.said['/odom'][-1]
     assert np.isfinite(odometry.pose.covariance).all()
     assert np.isfinite(odometry.twist.covariance).all()
+
+
+def test_the_drive_that_is_kept_is_as_uncertain_as_the_odometry_that_is_published():
+    settings = {**KHEPERA, 'session_curvature_stddev': 0.5, 'enable_odom_tf': False}
+    with inside(SimulatedBase, settings) as held:
+        drive(held, '/wheel_rates', 1.0)
+        moment, = moments_of([(held.node, False)], held.clock.now_ns())
+        published = covariance(held.said['/odom'][-1])
+        assert published[2, 2] > 0.0
+        assert moment.covariance.tt == pytest.approx(published[2, 2], abs=1e-12)
+        assert moment.covariance.yy == pytest.approx(published[1, 1], abs=1e-12)

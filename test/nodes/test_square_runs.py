@@ -17,10 +17,12 @@
 import os
 import re
 
+from diffdrive_kinematics.nodes import diffdrive_sim
 from diffdrive_kinematics.ros.parameters.package_share import share_directory
 from diffdrive_kinematics.tools.calibration_sources import read_square_runs
 import pytest
 from support.graph import KHEPERA
+from support.inside import initialised
 
 CONFIG = share_directory() / 'config'
 FILES = [part for name in ('squares.yaml', 'true.yaml')
@@ -107,3 +109,13 @@ def test_runs_that_do_not_scatter_are_warned_about_and_write_no_slip(graph, tmp_
         'wheel_noise:right_slip_variance:=0.0')
     assert 'do not scatter' in said and 'seed' in said
     assert 'slip_variance' not in found.read_text().split('/**/')[0]
+
+
+def test_a_fault_of_the_program_is_not_taken_for_one_of_the_parameters(monkeypatch):
+    def fail(*_):
+        raise ValueError('not of a parameter')
+
+    monkeypatch.setattr(diffdrive_sim.DiffDriveSim, 'run', fail)
+    with initialised({'nodes': ['robot_description'], **KHEPERA}):
+        with pytest.raises(ValueError, match='not of a parameter'):
+            diffdrive_sim.work(None)

@@ -23,7 +23,7 @@ only, and only by rmw_fastrtps_cpp, the middleware of the wheels.
 
 import ctypes
 from functools import lru_cache
-from typing import Any, Optional
+from typing import Any, cast, List, Optional
 
 from geometry_msgs.msg import TransformStamped
 from nav_msgs.msg import Path
@@ -104,23 +104,26 @@ class _Description(ctypes.Structure):
 
 FIND = ctypes.CFUNCTYPE(POINTER, POINTER, ctypes.c_char_p)
 TELL = ctypes.CFUNCTYPE(POINTER, POINTER)
+NAME_OF = ctypes.PYFUNCTYPE(ctypes.c_char_p, ctypes.py_object)(
+    ('PyCapsule_GetName', ctypes.pythonapi))
+CONTENT_OF = ctypes.PYFUNCTYPE(POINTER, ctypes.py_object, ctypes.c_char_p)(
+    ('PyCapsule_GetPointer', ctypes.pythonapi))
+CAPSULE = ctypes.PYFUNCTYPE(ctypes.py_object, POINTER, ctypes.c_char_p, POINTER)(
+    ('PyCapsule_New', ctypes.pythonapi))
 
 
-def _support_of(message_type: Any, identifier: bytes) -> _Support:
-    """Return a type support of an installed message."""
+def _support_of(message_type: Any, identifier: bytes) -> Optional[_Support]:
+    """Return a type support of an installed message; None where it has none of this kind."""
     if message_type.__class__._TYPE_SUPPORT is None:
         message_type.__class__.__import_type_support__()
     capsule = message_type.__class__._TYPE_SUPPORT
-    name_of, content_of = ctypes.pythonapi.PyCapsule_GetName, ctypes.pythonapi.PyCapsule_GetPointer
-    name_of.restype, name_of.argtypes = ctypes.c_char_p, [ctypes.py_object]
-    content_of.restype, content_of.argtypes = POINTER, [ctypes.py_object, ctypes.c_char_p]
-    address = content_of(capsule, name_of(capsule))
-    return _Support.from_address(FIND(_Support.from_address(address).find)(address, identifier))
+    address = CONTENT_OF(capsule, NAME_OF(capsule))
+    found = FIND(_Support.from_address(address).find)(address, identifier)
+    return _Support.from_address(found) if found else None
 
 
-def _description(kept: list) -> _Description:
+def _description(support: _Support, kept: list) -> _Description:
     """Return what the type is made of: its field, and the types in that."""
-    support = _support_of(TransformStamped, FAST_CDR)
     part = _Description.from_address(TELL(support.description)(ctypes.addressof(support)))
     types = sorted([part.type, *part.others[:part.size]], key=lambda each: each.name.data)
     field = _Field(_String.of(b'transforms'), NESTED_SEQUENCE, 0, 0, part.type.name,
@@ -145,7 +148,11 @@ def tf_message_type() -> Optional[type]:
     """
     if get_rmw_implementation_identifier() != MADE_FOR:
         return None
-    path, path_fields = _support_of(Path, FAST_CDR), _support_of(Path, FIELDS)
+    found = [_support_of(each, identifier) for each in (Path, TransformStamped)
+             for identifier in (FAST_CDR, FIELDS)]
+    if None in found:
+        return None
+    path, path_fields, transform, transform_fields = cast(List[_Support], found)
     members = _Members.from_address(path_fields.data)
     if PATH != (members.name, members.count, members.size, [
             (each.name, each.type_id, each.is_array, each.offset)
@@ -154,18 +161,18 @@ def tf_message_type() -> Optional[type]:
     kept: list = []  # what C has only pointers of
     transforms = _Member.from_buffer_copy(members.members[1])
     transforms.name, transforms.offset = b'transforms', 0
-    transforms.support = ctypes.addressof(_support_of(TransformStamped, FIELDS))
+    transforms.support = ctypes.addressof(transform_fields)
     own_members = _Members(
         b'tf2_msgs__msg', NAME, 1, members.size - members.members[1].offset, False,
         (_Member * 1)(transforms), members.functions)
     callbacks = _Callbacks(
         b'tf2_msgs::msg', NAME, _Callbacks.from_address(path.data).functions)
     hashed = ctypes.create_string_buffer(HASH_VERSION + HASH, 1 + len(HASH))
-    description = _description(kept)
+    description = _description(transform, kept)
     tell_hash = TELL(lambda _: ctypes.addressof(hashed))
     tell_description = TELL(lambda _: ctypes.addressof(description))
     told = (ctypes.cast(tell_hash, POINTER), ctypes.cast(tell_description, POINTER),
-            _support_of(TransformStamped, FAST_CDR).sources)
+            transform.sources)
     supports = {
         FAST_CDR: _Support(FAST_CDR, ctypes.addressof(callbacks), path.find, *told),
         FIELDS: _Support(FIELDS, ctypes.addressof(own_members), path_fields.find, *told)}
@@ -178,8 +185,6 @@ def tf_message_type() -> Optional[type]:
     whole = _Support(b'rosidl_typesupport_c', None, ctypes.cast(finder, POINTER), *told)
     kept += [own_members, callbacks, hashed, description, tell_hash, tell_description, supports,
              finder, whole]
-    capsule = ctypes.pythonapi.PyCapsule_New
-    capsule.restype, capsule.argtypes = ctypes.py_object, [POINTER, ctypes.c_char_p, POINTER]
 
     def converted(*_: Any) -> None:
         raise TypeError('without tf2_msgs messages of /tf are bytes')
@@ -188,6 +193,6 @@ def tf_message_type() -> Optional[type]:
         ('_CREATE_ROS_MESSAGE', '_CONVERT_FROM_PY', '_CONVERT_TO_PY', '_DESTROY_ROS_MESSAGE'),
         staticmethod(converted))
     meta = type('Metaclass_TFMessage', (type,), {
-        **functions, '_TYPE_SUPPORT': capsule(ctypes.addressof(whole), None, None),
+        **functions, '_TYPE_SUPPORT': CAPSULE(ctypes.addressof(whole), None, None),
         '_kept': kept})
     return meta('TFMessage', (), {'__module__': 'tf2_msgs.msg'})

@@ -14,8 +14,20 @@
 
 """The error with which a node refuses to start."""
 
-__all__ = ['ConfigurationError']
+from contextlib import contextmanager
+from typing import Iterator
+
+__all__ = ['ConfigurationError', 'refusing']
 
 
 class ConfigurationError(Exception):
     """Parameters with which a node refuses to start; the text says what to set."""
+
+
+@contextmanager
+def refusing() -> Iterator[None]:
+    """Take each ``ValueError`` of what is done here for one of the parameters."""
+    try:
+        yield
+    except ValueError as error:
+        raise ConfigurationError(str(error)) from error

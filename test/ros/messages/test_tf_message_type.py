@@ -65,7 +65,8 @@ def test_its_messages_are_bytes():
 
 @pytest.mark.parametrize('name, value', [
     ('get_rmw_implementation_identifier', lambda: 'rmw_cyclonedds_cpp'),
-    ('PATH', (b'Path', 2, 48, []))], ids=['middleware', 'type supports'])
+    ('PATH', (b'Path', 2, 48, [])), ('FIELDS', b'no_typesupport_of_this_name')],
+    ids=['middleware', 'type supports', 'no type supports'])
 def test_none_is_made_for_what_is_built_otherwise(monkeypatch, name, value):
     monkeypatch.setattr(made, name, value)
     assert made.tf_message_type.__wrapped__() is None
