@@ -63,6 +63,12 @@ def end_of(graph, tmp_path, noise, controller):
         '--ros-args', '--params-file', params_file(tmp_path / 'run.yaml', noise, controller)])
     graph.wait_for(lambda: len(last) == 2 or not sim.running, 'odometry of both')
     graph.play_out(sim, go)
+
+    def arrived():  # what the process said last may be read after its end
+        truth = last['ground_truth']
+        return truth.pose.pose.position.x != 0.0 and truth.twist.twist.linear.x == 0.0
+
+    graph.wait_for(arrived, 'the rest after the course')
     position = last['ground_truth'].pose.pose.position
     return position.x, position.y
 
@@ -107,3 +113,14 @@ def test_a_response_that_is_none_is_refused_by_its_parameter(wrong, message):
     with pytest.raises(ValueError, match=message):
         build_controller(values_of(
             DIFF_DRIVE_CONTROLLER, **{**RESPONSE, 'use_response': True, **wrong}))
+
+
+def test_a_response_that_is_none_is_refused_before_it_is_used():
+    with pytest.raises(ValueError, match='response_turn_loss_order is 3'):
+        build_controller(values_of(
+            DIFF_DRIVE_CONTROLLER, **{**RESPONSE, 'response_turn_loss_order': 3}))
+
+
+@pytest.mark.parametrize('table', [DIFF_DRIVE_CONTROLLER, WHEEL_NOISE])
+def test_lists_are_set_at_the_start_only_as_an_empty_one_has_no_type(table):
+    assert all(entry.read_only for entry in table if isinstance(entry.default, list))

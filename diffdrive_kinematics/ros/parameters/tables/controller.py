@@ -96,6 +96,7 @@ DIFF_DRIVE_CONTROLLER = (
          'of both sides are scaled by one factor, so that the path keeps its curvature. NaN: no '
          'limit.'),
     string('base_frame_id', 'base_link', 'Frame of the limited velocity.', check_frame),
-    Spec('use_response', False, 'whether to ask for the command that yields, by the response, the '
-         'motion that cmd_vel wants; limits hold for what is asked for', Kind.BOOL),
+    Spec('use_response', False, 'Ask for the command that yields, by the response, the motion '
+         'that cmd_vel wants. Limits hold for the motion wanted and for what is asked for, which '
+         'is at most 3 times the speed asked for on a straight.', Kind.BOOL),
     *RESPONSE, *_axis_entries(), DIAGNOSTICS, EXECUTOR)

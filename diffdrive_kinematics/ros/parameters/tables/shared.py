@@ -73,23 +73,27 @@ SEPARATION = (
 GEOMETRY = (*SEPARATION, *RADII)
 
 RESPONSE = (
-    Spec('response_max_speed', 0.0, 'largest speed [m/s] with which the response to commands was '
-         'measured, commands beyond count as this one; 0: none, the robot does as it is told',
+    Spec('response_max_speed', 0.0, 'Largest speed [m/s] with which the response to commands was '
+         'measured. Commands beyond it count as this one. 0: there is none, the robot does as it '
+         'is told.',
          check=check_non_negative),
-    Spec('response_max_yaw_rate', 0.0, 'largest yaw rate [rad/s] of it, likewise',
+    Spec('response_max_yaw_rate', 0.0, 'Largest yaw rate [rad/s] with which the response was '
+         'measured. Commands beyond it count as this one.',
          check=check_non_negative),
-    Spec('response_speed_gain', 1.0, 'a of the speed a v s(k) that the robot drives; k: w / v',
+    Spec('response_speed_gain', 1.0, 'Gain a of the speed: where v and w are asked for, the robot '
+         'drives a v s(k), with k = w / v.',
          check=check_positive),
-    Spec('response_yaw_rate_gain', 1.0, 'b of the yaw rate that the robot turns with, b w + d v',
+    Spec('response_yaw_rate_gain', 1.0, 'Gain b of the yaw rate: the robot turns with b w + d v.',
          check=check_positive),
-    Spec('response_veer', 0.0, 'd [rad/m], by how much it turns on a straight'),
-    Spec('response_turn_loss', 0.0, 'c [m] of the share s of the speed that it keeps in curves, '
-         's^n = 1 - |c k|^n, down to a tenth', check=check_non_negative),
-    Spec('response_turn_loss_order', 2, 'n, 1 or 2', Kind.INTEGER),
-    Spec('response_curvatures', [], 'values of |k| [1/m] from 0 on at which a table has factors '
-         'on s', Kind.DOUBLES),
-    Spec('response_shares', [], 'the factors', Kind.DOUBLES),
-    Spec('response_delay', 0.0, 'how late the robot follows [s]', check=check_delay))
+    Spec('response_veer', 0.0, 'By how much the robot turns on a straight, d [rad/m].'),
+    Spec('response_turn_loss', 0.0, 'Loss c [m] of speed in curves: the robot keeps the share s '
+         'of it, s^n = 1 - |c k|^n, down to a tenth.', check=check_non_negative),
+    Spec('response_turn_loss_order', 2, 'Order n of that loss, 1 or 2.', Kind.INTEGER),
+    Spec('response_curvatures', [], 'Values of |k| [1/m] from 0 on at which a table has factors '
+         'on s.', Kind.DOUBLES, read_only=True),
+    Spec('response_shares', [], 'The factors on s, one for each of response_curvatures.',
+         Kind.DOUBLES, read_only=True),
+    Spec('response_delay', 0.0, 'How late the robot follows [s].', check=check_delay))
 BIAS = (
     Spec('left_bias', 0.0, 'Fraction of its travel by which the left wheel goes further, above '
          '-1.',

@@ -31,8 +31,8 @@ from diffdrive_kinematics.ros.parameters.tables.shared import (
 WHEEL_NOISE = (
     *RADII, *JOINTS,
     replace(SEPARATION[0], description='Distance L between left and right wheels [m], above 0. '
-            'It is needed for session_curvature_stddev, turn_slip_variance and '
-            'heading_slip_variance only.',
+            'It is needed for session_curvature_stddev, turn_slip_variance, '
+            'heading_slip_variance and response_max_speed only.',
             check=check_positive_or_nan, required=False), SEPARATION[1],
     topic('input_topic', 'wheel_rates', 'Subscribes to: wheel motion as it was commanded.'),
     topic('output_topic', 'noisy_wheel_rates', 'Publishes: wheel motion with bias and slip.'),
