@@ -57,10 +57,15 @@ def build(values: Mapping[str, Any]) -> Config:
         raise ValueError(
             f"{', '.join(f'{name} is {value!r}' for name, value in sources.items())}, expected "
             'exactly one of them to be set')
+    if values['square_rounds'] and (values['loop'] or not values['square_side']):
+        raise ValueError(
+            f"square_rounds is {values['square_rounds']}, square_side {values['square_side']!r} "
+            f"and loop {values['loop']}, expected a square_side above 0, and no loop")
     if not values['recording']:
         commands, runs = (_squares(values) if values['square_side']
                           else (commands_from(values['commands']), []))
-        return Config(course_from_commands(commands), values, tuple(runs))
+        return Config(
+            course_from_commands(commands), values, () if values['loop'] else tuple(runs))
     try:
         return Config(course_from_recording(
             read_commands(resolved(values['recording']), values['cmd_vel_topic'])), values)

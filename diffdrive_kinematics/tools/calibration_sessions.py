@@ -17,6 +17,7 @@
 from typing import Dict, List, Optional, Tuple
 
 from diffdrive_kinematics.core.calibration import SessionFit
+from diffdrive_kinematics.core.noise import check_session_fraction
 
 __all__ = ['THIS_SESSION_ONLY', 'session_parameters', 'session_remark', 'session_rows']
 
@@ -40,9 +41,23 @@ def session_remark(sessions: Optional[SessionFit]) -> str:
         return THIS_SESSION_ONLY
     kept = '; not the scale, as the mean radius is kept' if sessions.scale is None else ''
     return (f'session_*: what differs between the {sessions.sessions} drives beyond the standard '
-            f'errors of each; drives of one day tell nothing about other days{kept}')
+            f'errors of each; drives of one day tell nothing about other days{kept}'
+            + ''.join(f'; WARNING: {name.split()[0]} is not written, as {value:.3g} is more than '
+                      'the nodes take, look for a drive that is not like the others'
+                      for name, value, _ in session_rows(sessions) if not _is_taken(name, value)))
 
 
 def session_parameters(sessions: Optional[SessionFit]) -> Dict[str, float]:
-    """Return the parameters to write; none where nothing is known of other sessions."""
-    return {name.split()[0]: value for name, value, _ in session_rows(sessions)}
+    """Return the parameters to write, of those that are known what the nodes take."""
+    return {name.split()[0]: value for name, value, _ in session_rows(sessions)
+            if _is_taken(name, value)}
+
+
+def _is_taken(name: str, value: float) -> bool:
+    """Return whether the nodes take a standard deviation; fractions have a bound."""
+    try:
+        if name.endswith('[1]'):
+            check_session_fraction(name, value)
+    except ValueError:
+        return False
+    return True

@@ -61,7 +61,8 @@ class SquareNotes:
             self, path: str, squares: Sequence[Squares], start: Sequence[Moment]) -> None:
         if len(squares) != 1 or not squares[0].runs:
             raise ValueError(
-                f'square_runs is {path!r}, expected one command_sequence with a square_side')
+                f'square_runs is {path!r}, expected one command_sequence with a square_side, '
+                'without loop')
         if len(start) != 1 or start[0].truth is None:
             raise ValueError(
                 f'square_runs is {path!r}, expected one robot with a belief and a ground truth')

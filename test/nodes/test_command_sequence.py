@@ -14,10 +14,13 @@
 
 """Courses as they appear on cmd_vel."""
 
+from diffdrive_kinematics.nodes.command_sequence import CommandSequence
+from diffdrive_kinematics.ros.parameters.configuration_error import ConfigurationError
 from geometry_msgs.msg import Twist, TwistStamped
 from nav_msgs.msg import Odometry
 import pytest
 from support.graph import KHEPERA, stamp_ns
+from support.inside import initialised
 
 COMMANDS = [0.1, 0.5, 0.2, -0.1, 0.0, 0.1]
 
@@ -160,3 +163,11 @@ def test_two_courses_at_once_are_refused(graph):
         'square_side': 1.0, 'commands': [0.1, 0.0, 1.0]})
     assert sequence.wait() == 2
     assert 'square_side is 1.0' in sequence.output
+
+
+@pytest.mark.parametrize('settings', [
+    {'square_rounds': 2, 'commands': [0.1, 0.0, 1.0]},
+    {'square_rounds': 2, 'square_side': 1.0, 'loop': True}], ids=['no square', 'loop'])
+def test_rounds_that_would_not_be_driven_are_refused(settings):
+    with initialised(settings), pytest.raises(ConfigurationError, match='square_rounds is 2'):
+        CommandSequence()

@@ -90,6 +90,7 @@ def test_a_pipe_is_refused_before_the_drive_where_a_file_has_to_grow(graph, tmp_
 
 @pytest.mark.parametrize('settings, words', [
     (['calibration:=c.yaml'], 'square_runs is not set'),
+    (['square_runs:=runs.csv', 'command_sequence:loop:=true'], 'without loop'),
     (['square_runs:=runs.csv', 'command_sequence:square_side:=0.0',
       'command_sequence:commands:=[0.1, 0.0, 1.0]'], 'square_side'),
     (['square_runs:=runs.csv', 'diffdrive_sim:nodes:=[command_sequence, diff_drive_controller, '

@@ -14,8 +14,10 @@
 
 """What the report and the file of a calibration say of other sessions."""
 
+from diffdrive_kinematics.core.calibration import Estimate, SessionFit
 from diffdrive_kinematics.tools.calibration import of_drives, table
 from diffdrive_kinematics.tools.calibration_file import params_text
+from diffdrive_kinematics.tools.calibration_sessions import session_parameters, session_remark
 import pytest
 from support.drives import drive, GEOMETRY, Truth
 import yaml
@@ -58,3 +60,9 @@ def test_a_mean_radius_that_is_kept_tells_no_scale():
     assert 'not the scale' in table(calibration)
     assert set(calibration.sessions) == {
         'session_separation_stddev', 'session_curvature_stddev'}
+
+
+def test_what_the_nodes_refuse_is_not_written_and_warned_about():
+    sessions = SessionFit(None, Estimate(0.2, 0.05), Estimate(0.2, 0.05), sessions=3)
+    assert session_parameters(sessions) == {'session_curvature_stddev': 0.2}
+    assert 'WARNING: session_separation_stddev is not written' in session_remark(sessions)

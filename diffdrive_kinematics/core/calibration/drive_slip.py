@@ -193,7 +193,8 @@ def _fitted(
         groups: Sequence[Sequence[_Counted]], equal: bool, terms: Optional[Sequence[str]]
 ) -> SlipFit:
     """Return the slip of groups of windows, of the terms that pay where none are given."""
-    windows, weights = zip(*chain.from_iterable(groups))
+    counted = list(chain.from_iterable(groups))
+    windows, weights = [window for window, _ in counted], [weight for _, weight in counted]
     if terms is None:
         return choose_slip(windows, equal=equal, weights=weights)
     return fit_slip(windows, equal=equal, weights=weights, terms=terms)

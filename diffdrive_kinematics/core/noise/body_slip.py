@@ -20,8 +20,8 @@ Along the way that a robot makes, its bias included, of length ds and turn dthet
     ``Var ds = k_d |ds|``  and  ``Var dtheta = k_t |dtheta| + k_x |ds|``,
 
 white along the way and independent of each other and of the slip of the wheels.  Like theirs it
-adds up over any parts of an arc.  It is the law of robots that are known by their commands: of
-those the wheels, which have a servo each, do not slip alone.
+adds up over any parts of an arc.  It is the law of robots without encoders, of which only the
+commands are known: their wheels, which have a servo each, do not slip alone.
 """
 
 from dataclasses import dataclass

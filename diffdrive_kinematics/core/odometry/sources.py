@@ -218,6 +218,6 @@ class Sources(NamedTuple):
 
 
 def _in_turn(before: JointMessage, received: JointMessage, others: Sequence[Source]) -> bool:
-    """Tell whether one of the others has received since a source did before."""
+    """Tell whether one of the others has sent since a source did before."""
     return any(before.now_ns <= each.last.now_ns
                and each.silent(received.now_ns) < CONTESTED_TAKEOVER_NS for each in others)

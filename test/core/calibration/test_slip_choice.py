@@ -178,3 +178,10 @@ def test_slip_of_drives_is_of_the_kind_and_size_that_was_put_in(disturbance, exp
     for name in expected:
         found = fit.k_left if name == 'wheels' else getattr(fit, name)
         assert abs(found.value - true[name]) < 4.0 * found.error < 4.0 * true[name]
+
+
+def test_drives_without_a_window_are_refused_with_the_number_of_windows():
+    drives = [drive(0, Truth(), seconds=60.0)]
+    fit = fit_trajectory(GEOMETRY, drives, clock=Clock.NONE)
+    with pytest.raises(ValueError, match='0 windows, expected at least'):
+        fit_drive_slip(GEOMETRY, drives, fit, lengths=(500.0,))

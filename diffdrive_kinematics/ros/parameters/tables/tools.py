@@ -142,8 +142,9 @@ DIFFDRIVE_SIM = (
     string('record', '', 'File to record into: .csv with belief, truth, wheels and commands of '
            'one robot 50 times a second, or .mcap with all that the nodes publish. Empty: none.',
            check_recording),
-    string('square_runs', '', 'CSV file with the columns clockwise,true_x,true_y,odom_x,odom_y '
-           'and one row for each run around a square.'),
+    string('square_runs', '', 'CSV file to which a row is added for each run around a square, '
+           'with the columns clockwise,true_x,true_y,odom_x,odom_y. It is made where it is '
+           'missing, whatever overwrite is. Empty: none.'),
     string('calibration', '', 'Params file to write at the end, with a calibration from all rows '
            'of square_runs. Empty: none.'),
     string('picture', '', 'Picture of the path that was driven to write, .png or .svg. Empty: '

@@ -40,8 +40,9 @@ WHEEL_NOISE = (
     *RESPONSE, *BIAS, *SLIP, *SESSION,
     Spec('slip_model', 'travel', 'Law of the slip. travel: the variance grows with distance, '
          'whatever the rate of messages. command: the standard deviation is in proportion to the '
-         'rate of the wheel, one value is drawn for each message, *_slip_variance is the square '
-         'of the fraction [1], and the statistics depend on the rate of messages.',
+         'rate of the wheel, one value is drawn for each message, left_slip_variance and '
+         'right_slip_variance are the squares of the fractions [1], and the statistics depend on '
+         'the rate of messages.',
          Kind.STRING, check_slip_model),
     DISTRIBUTION,
     Spec('seed', 0, 'Seed of the random generator, 0 or above. Setting another one starts the '
