@@ -82,6 +82,10 @@ class DiffDriveController(DiffDriveNode[Config]):
         self._watchdog: Any = None
         self._set_watchdog(self.config.drive.cmd_vel_timeout)
         self.parameters.on_change(self._configure)
+        if values['use_response']:
+            self.get_logger().info(
+                'use_response: wheel rates are what is asked for, not what the robot drives. '
+                'Feed odometry from a wheel_noise without slip that has the same response_*')
 
     def _on_command(self, message: bytes, info: MessageInfo = UNKNOWN) -> None:
         now_ns = self._synchronised_now()
@@ -187,7 +191,8 @@ class DiffDriveController(DiffDriveNode[Config]):
 
         Ramps cannot go on then: what asks for more is held back, what asks for less is not met.
         """
-        if self._drive.twist.exceeds(self._drive.target) and self.time.clock_stands():
+        asked = self._drive.settings.command_for(self._drive.target).command
+        if self._drive.twist.exceeds(asked) and self.time.clock_stands():
             self._halt()
 
     def _on_stop(self) -> None:

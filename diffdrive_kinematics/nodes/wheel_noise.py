@@ -139,7 +139,7 @@ class WheelNoise(DiffDriveNode[Config]):
     def _configure(self, config: Config) -> None:
         new, told = config.stream, config.told
         if told is not None and self._told is not None:
-            told = told._replace(waiting=self._told.waiting, last=self._told.last)
+            told = self._told.configured(told)
         self._told = told
         self._stream = replace(
             self._stream, radii=new.radii, left_slip=new.left_slip, right_slip=new.right_slip,

@@ -17,13 +17,15 @@
 import math
 
 from diffdrive_kinematics.core.commands import CommandResponse
-from diffdrive_kinematics.nodes.diff_drive_controller import build as build_controller
+from diffdrive_kinematics.nodes.diff_drive_controller import (
+    build as build_controller, DiffDriveController)
 from diffdrive_kinematics.nodes.wheel_noise import build as build_noise
 from diffdrive_kinematics.ros.parameters.tables import DIFF_DRIVE_CONTROLLER, WHEEL_NOISE
 from nav_msgs.msg import Odometry
 import pytest
 from std_msgs.msg import Empty
 from support.graph import KHEPERA
+from support.inside import inside
 
 RESPONSE = {
     'response_max_speed': 0.5, 'response_max_yaw_rate': 2.0, 'response_speed_gain': 1.03,
@@ -86,6 +88,12 @@ def test_a_commanded_robot_that_is_known_errs_as_one_with_encoders(graph, tmp_pa
     known = math.hypot(*end_of(
         graph, tmp_path, {**BIAS, **RESPONSE}, {**RESPONSE, 'use_response': True}))
     assert known == pytest.approx(encoders, rel=0.2)
+
+
+@pytest.mark.parametrize('given', [{}, {**RESPONSE, 'use_response': True}])
+def test_a_controller_says_that_its_wheel_rates_are_not_what_is_driven(capfd, given):
+    with inside(DiffDriveController, {**KHEPERA, **given}):
+        assert ('not what the robot drives' in capfd.readouterr().err) is bool(given)
 
 
 def values_of(table, **given):

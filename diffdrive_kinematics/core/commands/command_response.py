@@ -203,7 +203,7 @@ class CommandResponse:
             return 0.0
         return self.speed_gain * v * float(self.share(w / v))
 
-    def command_for(self, motion: Twist) -> CommandFor:
+    def command_for(self, motion: Twist, *, most: float = math.inf) -> CommandFor:
         """
         Return the command that yields a motion, solved to 1e-12 m/s.
 
@@ -211,6 +211,8 @@ class CommandResponse:
         ----------
         motion : Twist
             What the robot is to do.
+        most : float
+            Bound [1] of the speed asked for over the one that a straight takes.
 
         Returns
         -------
@@ -228,18 +230,20 @@ class CommandResponse:
             return CommandFor(STILL, True)
         if not all(map(math.isfinite, motion)):
             return CommandFor(motion, False)
-        low, high = 0.0, math.copysign(self.max_speed, motion.v)
+        far = min(self.max_speed, most * abs(motion.v) / self.speed_gain)
+        low, high = 0.0, math.copysign(far, motion.v)
         if motion.v == 0.0:
             high = 0.0
         elif abs(self._speed(high, self._yaw_rate(motion.w, high))) <= abs(motion.v):
             low = high
-        while abs(high - low) > ACCURACY:
-            middle = 0.5 * (low + high)
+        middle = low + 0.5 * (high - low)
+        while abs(high - low) > ACCURACY and middle not in (low, high):
             if abs(self._speed(middle, self._yaw_rate(motion.w, middle))) < abs(motion.v):
                 low = middle
             else:
                 high = middle
-        command = Twist(0.5 * (low + high), self._yaw_rate(motion.w, 0.5 * (low + high)))
+            middle = low + 0.5 * (high - low)
+        command = Twist(middle, self._yaw_rate(motion.w, middle))
         there = self.motion_of(command)
         return CommandFor(command, max(abs(there.v - motion.v), abs(there.w - motion.w)) <= 1e-9)
 

@@ -117,9 +117,7 @@ class Drive(DriveState):
         drive, changes = self.advanced(stamp_ns)
         timeout_ns = round(self.settings.cmd_vel_timeout * NANOSECONDS)
         deadline = stamp_ns + timeout_ns if self.settings.cmd_vel_timeout else None
-        target, reached = self.settings.command_for(target)
-        drive = drive._replace(target=target, deadline_ns=deadline,
-                               limited=drive.limited + (not reached))
+        drive = drive._replace(target=target, deadline_ns=deadline)
         if drive.step_ns is None:
             drive, change = drive._stepped(max(stamp_ns, drive.since_ns + 1))
             changes += change

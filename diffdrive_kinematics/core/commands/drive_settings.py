@@ -27,7 +27,9 @@ from diffdrive_kinematics.core.kinematics import (
     check_duration, check_rate, NANOSECONDS, WheelGeometry)
 
 __all__ = ['DriveSettings']
-"""In a second."""
+
+MOST_MADE_UP = 3.0
+"""Speed that is asked for in a curve over the one that a straight takes, at most [1]."""
 
 
 @dataclass(frozen=True)
@@ -91,7 +93,8 @@ class DriveSettings:
         Returns
         -------
         CommandFor
-            The motion itself, or by the response the command that yields it.
+            The motion itself, or by the response the command that yields it within the velocity
+            limits, at most 3 times the speed that a straight takes.
 
         Examples
         --------
@@ -99,7 +102,12 @@ class DriveSettings:
         CommandFor(command=Twist(v=0.5, w=0.0), reached=True)
 
         """
-        return self.response.command_for(motion) if self.response else CommandFor(motion, True)
+        if self.response is None:
+            return CommandFor(motion, True)
+        within = Twist(
+            self.linear.limit_velocity(motion.v), self.angular.limit_velocity(motion.w))
+        command, reached = self.response.command_for(within, most=MOST_MADE_UP)
+        return CommandFor(command, reached and within == motion)
 
     @cached_property
     def ramps(self) -> bool:

@@ -185,8 +185,9 @@ class DriveState(NamedTuple):
     def _stepped(self: D, time_ns: int) -> Tuple[D, List[WheelCommand]]:
         """Take one step towards the target at ``time_ns``; without ramps it gets there."""
         settings = self.settings
-        allowed = Twist(settings.linear.limit_velocity(self.target.v),
-                        settings.angular.limit_velocity(self.target.w))
+        asked, reached = settings.command_for(self.target)
+        allowed = Twist(settings.linear.limit_velocity(asked.v),
+                        settings.angular.limit_velocity(asked.w))
         goal, rates, factor = self._saturated(allowed)
         if factor < 1.0:
             goal, rates, _ = self._saturated(goal)  # the rates of the twist as it was rounded
@@ -202,7 +203,7 @@ class DriveState(NamedTuple):
             twist=twist, before=self.twist if settings.ramps else twist,
             step_ns=None if settled else time_ns + settings.period_ns,
             saturated=self.saturated + (factor < 1.0 or held_back),
-            limited=self.limited + (allowed != self.target or twist != goal))
+            limited=self.limited + (not reached or allowed != asked or twist != goal))
         if rates == self.rates and twist == self.twist:
             return drive, []
         return drive._turning(rates, time_ns)

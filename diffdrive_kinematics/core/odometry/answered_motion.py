@@ -19,6 +19,7 @@ What was told from a stamp on is done from the stamp plus the delay on, whenever
 the result depends on stamps only.  A robot of which nothing is due yet rests.
 """
 
+from dataclasses import replace
 from typing import Callable, List, NamedTuple, Optional, Tuple
 
 from diffdrive_kinematics.core.kinematics import NANOSECONDS
@@ -96,6 +97,37 @@ class AnsweredMotion(NamedTuple):
         else:
             later = tuple(each for each in waiting if each.stamp_ns > now_ns)
         return self._replace(waiting=later, last=sample), due
+
+    def configured(self, new: 'AnsweredMotion') -> 'AnsweredMotion':
+        """
+        Return the state under another answer and delay.
+
+        Parameters
+        ----------
+        new : AnsweredMotion
+            The answer and delay, which nothing was told yet.
+
+        Returns
+        -------
+        AnsweredMotion
+            What waits moves by the change of the delay, but not before what was done already.
+
+        Examples
+        --------
+        >>> told = AnsweredMotion(lambda rates: rates, 300_000_000)
+        >>> told, _ = told.heard(WheelSample(0, (2.0, 2.0)))
+        >>> told = told.configured(AnsweredMotion(lambda rates: rates, 200_000_000))
+        >>> [sample.stamp_ns for sample in told.waiting]
+        [200000000]
+
+        """
+        if self.last is None:
+            return new
+        shift, first = new.delay_ns - self.delay_ns, self.last.stamp_ns + 1
+        moved = [replace(each, stamp_ns=each.stamp_ns + shift) for each in self.waiting]
+        over = [replace(each, stamp_ns=first) for each in moved if each.stamp_ns <= first]
+        later = [each for each in moved if each.stamp_ns > first]
+        return new._replace(waiting=(*over[-1:], *later), last=self.last)
 
     @staticmethod
     def _told(

@@ -112,3 +112,9 @@ def test_the_losses_are_those_of_their_formulas_away_from_the_corner():
 def test_what_no_robot_does_is_refused_by_name(wrong):
     with pytest.raises(ValueError, match=next(iter(wrong)).rstrip('s')):
         CommandResponse(**{'max_speed': 1.0, 'max_yaw_rate': 2.0, **wrong})
+
+
+@pytest.mark.parametrize('most', [1e5, 1e9, 1e308])
+def test_the_inverse_ends_at_any_speed(most):
+    command, _ = CommandResponse(most, 2.0).command_for(Twist(0.4 * most, 0.1))
+    assert command == pytest.approx((0.4 * most, 0.1))

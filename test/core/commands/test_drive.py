@@ -18,7 +18,8 @@ from dataclasses import replace
 from itertools import accumulate
 import math
 
-from diffdrive_kinematics.core.commands import AxisLimits, Drive, DriveSettings, Twist
+from diffdrive_kinematics.core.commands import (
+    AxisLimits, CommandResponse, Drive, DriveSettings, Twist)
 from diffdrive_kinematics.core.kinematics import (
     twist_from_wheel_rates, wheel_rates_from_twist, WheelGeometry)
 from hypothesis import given, strategies as st
@@ -37,6 +38,7 @@ RAMPS = DriveSettings(
 BOUNDED = replace(PLAIN, max_wheel_rate=8.0)
 EVERYTHING = replace(RAMPS, max_wheel_rate=8.0)
 SETTINGS = st.sampled_from([PLAIN, ENDLESS, RAMPS, BOUNDED, EVERYTHING])
+KNOWN = replace(PLAIN, response=CommandResponse(0.5, 2.0, turn_loss=0.18))
 STILL = Twist(0.0, 0.0)
 AHEAD = Twist(1.0, 0.5)
 twists = st.builds(Twist, st.floats(-3.0, 3.0), st.floats(-4.0, 4.0))
@@ -421,3 +423,24 @@ def test_a_timeout_counts_where_it_ended_a_command_to_move():
     course = [(0, AHEAD), (2 * S, STILL), (4 * S, AHEAD), (4 * S + 400 * MS, AHEAD)]
     assert [driven(PLAIN, course[:n], 8 * S)[0].timeouts for n in (1, 2, 3, 4)] == [1, 1, 2, 2]
     assert driven(ENDLESS, course, 8 * S)[0].timeouts == 0
+
+
+def test_a_response_that_comes_or_goes_holds_for_the_command_that_lives():
+    wanted = Twist(0.1, 0.4)
+    known, _ = Drive(KNOWN, since_ns=0).commanded(wanted, S)
+    assert known.target == wanted and known.twist.v > 0.12
+    plain, _ = known.configured(PLAIN, S + 100 * MS)
+    assert plain.twist == wanted
+    assert plain.configured(KNOWN, S + 200 * MS)[0].twist == known.twist
+
+
+def test_the_motion_wanted_is_within_the_limits_before_the_response_makes_up_for_anything():
+    settings = replace(KNOWN, linear=AxisLimits(max_velocity=0.2))
+    far, _ = Drive(settings, since_ns=0).commanded(Twist(1e4, 0.4), S)
+    edge, _ = Drive(settings, since_ns=0).commanded(Twist(0.2, 0.4), S)
+    assert far.twist == edge.twist and far.limited == 1
+
+
+def test_a_small_speed_in_a_curve_is_made_up_for_by_a_bounded_factor():
+    drive, _ = Drive(KNOWN, since_ns=0).commanded(Twist(0.01, 1.9), S)
+    assert drive.twist == pytest.approx((0.03, 1.9)) and drive.limited == 1

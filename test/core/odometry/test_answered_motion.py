@@ -78,3 +78,20 @@ def test_where_time_goes_back_what_waited_is_dropped():
     told, due = told.heard(WheelSample(5, (3.0, 3.0)))
     assert [(each.stamp_ns, each.rates) for each in due] == [(5, (0.0, 0.0))]
     assert [each.rates for each in told.waiting] == [(6.0, 6.0)]
+
+
+@pytest.mark.parametrize('other_ns', [0, 40 * MS, 150 * MS, 600 * MS])
+@pytest.mark.parametrize('at_ms', range(100, 1900, 170))
+def test_another_delay_on_the_way_keeps_the_order_of_what_is_done(at_ms, other_ns):
+    told, done = AnsweredMotion(doubled, DELAY_NS), []
+    for stamp in range(0, 4000, 20):
+        if at_ms <= stamp < at_ms + 20:
+            told = told.configured(AnsweredMotion(doubled, other_ns))
+        rate = 1.0 if 500 <= stamp < 1500 else 0.0
+        told, due = told.heard(WheelSample(stamp * MS, (rate, rate)))
+        done += due
+    stamps = [each.stamp_ns for each in done]
+    assert stamps == sorted(set(stamps))
+    rates = [each.rates[0] for each in done]
+    assert sum(one != other for one, other in zip(rates, rates[1:])) == 2
+    assert done[-1].rates == (0.0, 0.0)
