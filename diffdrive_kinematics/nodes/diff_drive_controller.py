@@ -62,8 +62,7 @@ class DiffDriveController(DiffDriveNode[Config]):
         super().__init__(name, DIFF_DRIVE_CONTROLLER, build, **composition)
         values, runtime = self.config.values, self.runtime
         self._drive = Drive(self.config.drive, runtime.now_ns())
-        self._sent_by_tick = 0
-        self._command_steady_ns = 0
+        self._sent_by_tick = self._command_steady_ns = 0
         self._out = WheelCommandPublisher(self, values)
         self.commands = CommandType(self, values)
         self._intake = CommandIntake(self, self.commands.stamped, self.commands.topic, values)
@@ -84,8 +83,7 @@ class DiffDriveController(DiffDriveNode[Config]):
         self.parameters.on_change(self._configure)
         if values['use_response']:
             self.get_logger().info(
-                'use_response: wheel rates are what is asked for, not what the robot drives. '
-                'Feed odometry from a wheel_noise without slip that has the same response_*')
+                'use_response: feed odometry from a wheel_noise of the same response_*, no slip')
 
     def _on_command(self, message: bytes, info: MessageInfo = UNKNOWN) -> None:
         now_ns = self._synchronised_now()
@@ -186,11 +184,7 @@ class DiffDriveController(DiffDriveNode[Config]):
             self._obey_without_clock()
 
     def _obey_without_clock(self) -> None:
-        """
-        Bring the wheels to rest where they are faster than asked, and the clock stands.
-
-        Ramps cannot go on then: what asks for more is held back, what asks for less is not met.
-        """
+        """Bring wheels that are faster than asked to rest where the clock, so a ramp, stands."""
         asked = self._drive.settings.command_for(self._drive.target).command
         if self._drive.twist.exceeds(asked) and self.time.clock_stands():
             self._halt()

@@ -43,9 +43,9 @@ if TYPE_CHECKING:
 CLASSES = {  # imported where they are composed: a robot of two nodes starts without the others
     'diff_drive_controller': 'DiffDriveController', 'wheel_noise': 'WheelNoise',
     'simulated_base': 'SimulatedBase', 'wheel_odometry': 'WheelOdometry',
-    'command_sequence': 'CommandSequence',
-    'forward_projection': 'ForwardProjection', 'goal_steering': 'GoalSteering',
-    'robot_description': 'RobotDescription', 'web_view': 'WebView'}
+    'command_sequence': 'CommandSequence', 'forward_projection': 'ForwardProjection',
+    'goal_steering': 'GoalSteering', 'robot_description': 'RobotDescription',
+    'web_view': 'WebView'}
 BASES = 'simulated_base', 'wheel_odometry'
 DISTURBED = 1  # exit status
 FAREWELL_S = 0.5
@@ -104,8 +104,7 @@ class DiffDriveSim(DiffDriveNode[Config]):
         self._courses: List[DiffDriveNode] = [*self._sequences, *(
             node for node in self._of('goal_steering') if node.config.goals)]
         self._shown, self._rest_by_ns = -1, 0
-        self.keeping = Keeping(
-            lambda: moments_of(self._bases(), self._now_ns()), self._now_ns)
+        self.keeping = Keeping(lambda: moments_of(self._bases(), self._now_ns()), self._now_ns)
         self._live, self._began_s = LiveLine(), self._now_ns() / 1e9
 
     def _of(self, *kinds: str) -> List[Any]:
@@ -120,6 +119,12 @@ class DiffDriveSim(DiffDriveNode[Config]):
         if path := self.parameters.values['square_runs']:
             self.keeping.note_squares(path, [
                 Squares(node.config.runs, node.elapsed_s) for node in self._sequences])
+
+    def kept(self) -> List[str]:
+        """Complete what is kept of the drive; return a line on each."""
+        return self.keeping.close(
+            finished=self.finished(), interrupted=bool(self._courses) and not self.finished(),
+            calibrated=self.calibrated)
 
     def calibrated(self) -> List[str]:
         """Calibrate by the runs that are noted, where they are done; return the report."""
@@ -169,9 +174,8 @@ class DiffDriveSim(DiffDriveNode[Config]):
         """Return the bases, and whether each is fed with what comes out of a noise node."""
         noisy = {node.resolve_topic_name(node.config.values['output_topic'])
                  for node in self._of('wheel_noise')}
-        return [
-            (base, base.resolve_topic_name(base.config.values['wheel_motion_topic']) in noisy)
-            for base in self._of(*BASES)]
+        return [(base, base.resolve_topic_name(base.config.values['wheel_motion_topic']) in noisy)
+                for base in self._of(*BASES)]
 
     def _finished(self) -> bool:
         """Note and show how far it is; return whether the course is done, the robot at rest."""
@@ -179,8 +183,6 @@ class DiffDriveSim(DiffDriveNode[Config]):
             line = self.keeping.note()
         self._show(line)
         self._live(lambda: pose_line(self._now_ns() / 1e9 - self._began_s, self.robots()))
-        if not self._courses:
-            return False
         if self._sequences:
             self._show_progress(max(self._sequences, key=lambda node: node.length_s))
         if not self.finished():
@@ -203,9 +205,7 @@ class DiffDriveSim(DiffDriveNode[Config]):
 
     def _announce(self) -> None:
         """Say how to drive where nothing in this process does."""
-        if self._courses:
-            return
-        for node in self._of('diff_drive_controller'):
+        for node in self._of('diff_drive_controller') if not self._courses else ():
             self.get_logger().info(
                 f"publish {node.commands.name} on '{node.commands.topic}' to drive; Ctrl-C ends")
 
@@ -224,14 +224,14 @@ def _work(stop: Stop) -> int:
     try:
         sim.keep()
         sim.run(stop)
-        with refusing():
-            lines = *sim.keeping.close(finished=sim.finished()), *sim.calibrated()
-        for line in lines:
+        for line in sim.kept():
             report(line)
         if sim.begun():
             report(drift_table(sim.robots()))
             if sim.finished() and sim.clock_driver and not sim.config.real_time_factor:
                 report(f'{sim.clock_driver.rate():.0f} times real time')
+        with refusing():
+            sim.keeping.check()
     except Disturbed:
         time.sleep(FAREWELL_S)  # still to be seen, or the other one might never know
         raise

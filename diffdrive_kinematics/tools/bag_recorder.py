@@ -26,7 +26,8 @@ import shutil
 from typing import Any, Callable, Dict, Iterable
 
 from diffdrive_kinematics.tools.bags import MISSING
-from diffdrive_kinematics.tools.output_files import check_writable, part_of, place
+from diffdrive_kinematics.tools.output_files import (
+    beside, check_writable, free_path, part_of, place)
 from rclpy.publisher import Publisher
 from rclpy.serialization import serialize_message
 
@@ -98,13 +99,14 @@ class BagRecorder:
                 raise OSError(self._failed)
             self._writer.close()
             written, = self._directory.glob('*.mcap')
-            place(str(written), self._path, overwrite=self._overwrite)
+            path = free_path(self._path, overwrite=self._overwrite)
+            place(str(written), path, overwrite=self._overwrite)
         except (OSError, RuntimeError, ValueError) as error:
             raise CannotRecord(
                 f'record is {self._path!r}, which cannot be written: {error}') from error
         finally:
             self.discard()
-        return f'recorded {self.count} messages in {self._path}'
+        return f'recorded {self.count} messages in {beside(self._path, path)}'
 
     def discard(self) -> None:
         """Leave nothing of a file that is not complete."""

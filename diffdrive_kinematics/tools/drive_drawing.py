@@ -21,7 +21,8 @@ from typing import Any, Dict, Sequence, Tuple
 from diffdrive_kinematics.core.kinematics import Pose
 from diffdrive_kinematics.core.noise import NO_COVARIANCE
 from diffdrive_kinematics.tools.drawing import ellipse, file_of, MISSING, new_figure
-from diffdrive_kinematics.tools.output_files import check_writable, write_files
+from diffdrive_kinematics.tools.output_files import (
+    beside, check_writable, free_path, write_files)
 from diffdrive_kinematics.tools.robots import Moment
 import numpy as np
 
@@ -84,8 +85,9 @@ class DrivePicture:
         self._figure.legend(handles=first, loc='outside lower center', ncols=4, fontsize='small',
                             frameon=False)
         content = file_of(self._figure, self._path.rpartition('.')[2])
-        write_files({self._path: content}, overwrite=self._overwrite)
-        return f'wrote {self._path}'
+        path = free_path(self._path, overwrite=self._overwrite)
+        write_files({path: content}, overwrite=self._overwrite)
+        return f'wrote {beside(self._path, path)}'
 
     def discard(self) -> None:
         """Have nothing to take back."""

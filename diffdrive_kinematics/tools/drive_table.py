@@ -16,7 +16,8 @@
 
 from typing import Sequence
 
-from diffdrive_kinematics.tools.output_files import GrowingFile
+from diffdrive_kinematics.tools.growing_file import GrowingFile
+from diffdrive_kinematics.tools.output_files import beside
 from diffdrive_kinematics.tools.robots import Moment
 
 __all__ = ['DriveTable']
@@ -70,8 +71,8 @@ class DriveTable:
 
     def close(self) -> str:
         """Complete the file, and return a line that says so; ``ValueError`` if that cannot be."""
-        self._file.close()
-        return f'recorded {self._rows} rows in {self._path}'
+        kept = beside(self._path, self._file.close())
+        return f'recorded {self._rows} rows in {kept}'
 
     def discard(self) -> None:
         """Leave nothing of a file that is not complete."""

@@ -49,12 +49,15 @@ class Keeping:
         self._picture: Optional[DrivePicture] = None
         self._bag: Optional[BagRecorder] = None
         self._squares: Optional[SquareNotes] = None
-        self._next_ns = 0
+        self._next_ns = self._began_ns = 0
+        self._calibration = ''
+        self._failed: List[str] = []
 
     def begin(self, values: Mapping[str, Any], publishers: Iterable[Publisher]) -> None:
         """Keep the drive in ``record`` and ``picture``; ``ValueError`` where that cannot be."""
         record, picture, overwrite = (
             values[name] for name in ('record', 'picture', 'overwrite'))
+        self._began_ns, self._calibration = self._now_ns(), values['calibration']
         if values['calibration']:
             check_writable(values['calibration'], name='calibration', overwrite=overwrite)
         if picture:
@@ -89,10 +92,43 @@ class Keeping:
         due = self._squares and self._squares.due()
         return self._squares.note(self._moments()) if due else ''
 
-    def close(self, *, finished: bool) -> List[str]:
-        """Complete the files, and return a line on each; ``ValueError`` if one cannot be."""
-        last = [self._squares.note(self._moments())] if self._squares and finished else []
-        return last + [each.close() for each in self._kept()]
+    def close(
+            self, *, finished: bool, interrupted: bool,
+            calibrated: Callable[[], List[str]] = list) -> List[str]:
+        """
+        Complete the files, and return a line on each; what cannot be is for ``check``.
+
+        Parameters
+        ----------
+        finished : bool
+            Whether there was a course, and it is done.
+        interrupted : bool
+            Whether there was one, and it is not.
+        calibrated : callable
+            Calibrates by the runs that are noted, and returns its report.
+
+        """
+        lines: List[str] = []
+        squares = self._squares
+        last = [lambda: squares.note(self._moments())] if squares and finished else []
+        for complete in (*last, *(each.close for each in self._kept()), calibrated):
+            try:
+                done = complete()
+                lines += [done] if isinstance(done, str) else done
+            except ValueError as error:
+                self._failed.append(str(error))
+        if interrupted and (self._table or self._bag):
+            seconds = (self._now_ns() - self._began_ns) / 1e9
+            lines.append(f'the recording ends at {seconds:.2f} s because the course was '
+                         'interrupted')
+        if interrupted and squares:
+            lines.extend(squares.left(self._calibration))
+        return lines
+
+    def check(self) -> None:
+        """Raise ``ValueError`` if something could not be completed."""
+        if self._failed:
+            raise ValueError('; '.join(self._failed))
 
     def discard(self) -> None:
         """Leave nothing of files that are not complete."""

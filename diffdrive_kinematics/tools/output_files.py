@@ -22,13 +22,15 @@ terminal) is written to as it is, but for what grows, which has to be a file.
 
 from contextlib import suppress
 import errno
+from itertools import count
 import os
 from pathlib import Path
 import secrets
 import stat
-from typing import Dict, Mapping, TextIO, Tuple
+from typing import Dict, Mapping, Tuple
 
-__all__ = ['GrowingFile', 'check_writable', 'part_of', 'place', 'write_files']
+__all__ = [
+    'beside', 'check_writable', 'free_path', 'part_of', 'place', 'write_beside', 'write_files']
 
 SHOWN = 40  # characters: names of files end at 255 bytes
 
@@ -64,7 +66,7 @@ def check_writable(
     try:
         if os.path.exists(path) and not os.access(path, os.W_OK):
             raise PermissionError(f'{path} is read-only')
-        os.unlink(_write_beside(path, b'', durable=False))
+        os.unlink(write_beside(path, b'', durable=False))
     except OSError as error:
         raise ValueError(
             f'{name} is {path!r}, expected a file in a directory that can be written: {error}'
@@ -102,7 +104,7 @@ def write_files(files: Mapping[str, bytes], *, overwrite: bool) -> Tuple[str, ..
             if _is_special(path):
                 Path(path).write_bytes(content)
             else:
-                waiting[path] = _write_beside(path, content)
+                waiting[path] = write_beside(path, content)
         for path in list(waiting):
             place(waiting[path], path, overwrite=overwrite)
             del waiting[path]
@@ -144,65 +146,39 @@ def place(written: str, path: str, *, overwrite: bool) -> None:
     os.replace(written, os.path.realpath(path))
 
 
-def part_of(path: str) -> str:
-    """Return a new name beside a file, for what is to be that file when it is complete."""
-    target = Path(os.path.realpath(path))
-    return str(target.with_name(f'.{target.name[:SHOWN]}.part-{secrets.token_hex(4)}'))
-
-
-class GrowingFile:
+def free_path(path: str, *, overwrite: bool) -> str:
     """
-    A text that is written bit by bit beside its place, and put there when it is complete.
+    Return where to keep what took long to make: beside its place if a file has come there.
 
     Parameters
     ----------
     path : str
         Where it belongs.
-    name : str
-        Of the parameter that says so.
     overwrite : bool
         Whether a file that is there may be replaced.
 
-    Raises
-    ------
-    ValueError
-        If no file can be written there.
+    Returns
+    -------
+    str
+        ``path``, or that with ``_2``, ``_3`` ... where it is taken.
 
     """
+    if not os.path.exists(path) or _is_special(path) or overwrite and os.path.isfile(path):
+        return path
+    stem, ending = os.path.splitext(os.path.realpath(path) if os.path.islink(path) else path)
+    return next(other for number in count(2)
+                if not os.path.lexists(other := f'{stem}_{number}{ending}'))
 
-    def __init__(self, path: str, *, name: str, overwrite: bool) -> None:
-        check_writable(path, name=name, overwrite=overwrite, grows=True)
-        self._path, self._overwrite, self._failed = path, overwrite, ''
-        self._part = _write_beside(path, b'')
-        self._file: TextIO = open(self._part, 'w', encoding='utf-8', newline='')
 
-    def write(self, text: str) -> None:
-        """Add to the text; that it cannot be written is said at the end."""
-        try:
-            if not self._failed:
-                self._file.write(text)
-        except OSError as error:
-            self._failed = str(error)
+def beside(path: str, kept: str) -> str:
+    """Return the words for where something is kept that belongs in ``path``."""
+    return path if kept == path else f'{kept}, as {path} has come to exist meanwhile'
 
-    def close(self) -> None:
-        """Put the complete text in its place; ``ValueError`` if that cannot be."""
-        try:
-            if self._failed:
-                raise OSError(self._failed)
-            self._file.flush()
-            os.fsync(self._file.fileno())
-            place(self._part, self._path, overwrite=self._overwrite)
-        except OSError as error:
-            raise ValueError(f'{self._path} cannot be written: {error}') from error
-        finally:
-            self.discard()
 
-    def discard(self) -> None:
-        """Leave nothing of a text that is not complete."""
-        with suppress(OSError):
-            self._file.close()
-        with suppress(OSError):
-            os.unlink(self._part)
+def part_of(path: str) -> str:
+    """Return a new name beside a file, for what is to be that file when it is complete."""
+    target = Path(os.path.realpath(path))
+    return str(target.with_name(f'.{target.name[:SHOWN]}.part-{secrets.token_hex(4)}'))
 
 
 def _is_special(path: str) -> bool:
@@ -214,7 +190,7 @@ def _is_special(path: str) -> bool:
     return not (stat.S_ISREG(mode) or stat.S_ISDIR(mode))
 
 
-def _write_beside(path: str, content: bytes, *, durable: bool = True) -> str:
+def write_beside(path: str, content: bytes, *, durable: bool = True) -> str:
     """Write a file under another name beside its place, bring it to the disk; return its name."""
     target = Path(os.path.realpath(path))
     if target.is_symlink():

@@ -95,6 +95,16 @@ class SquareNotes:
                 f'clockwise: ended at ({x:.4f}, {y:.4f}), by odometry at ({odom_x:.4f}, '
                 f'{odom_y:.4f}) [m], added to {self._path}')
 
+    def left(self, calibration: str) -> List[str]:
+        """Return a line on runs that were to be calibrated by, if the course is interrupted."""
+        if not calibration:
+            return []
+        return [
+            f'interrupted after {self._done} of {len(self._squares.runs)} runs: no calibration; '
+            f'run it again to add runs to {self._path}, or, with two or more each way there: ros2 '
+            'run diffdrive_kinematics calibrate --ros-args --params-file ROBOT.yaml -p '
+            f'square_runs:={self._path} -p square_side:=SIDE -p output:={calibration}']
+
 
 def _content(path: str) -> str:
     """Return what a file of runs has, up to the last end of a line; ``ValueError`` if not one."""

@@ -22,6 +22,7 @@ import re
 from diffdrive_kinematics.core.kinematics import (
     advance, Pose, twist_from_wheel_rates, WheelGeometry, wrap_angle)
 from diffdrive_kinematics.ros.parameters.package_share import share_directory
+from diffdrive_kinematics.tools.keeping import Keeping
 import numpy as np
 import pytest
 from support.graph import KHEPERA
@@ -146,7 +147,43 @@ def test_a_drive_in_real_time_that_is_ended_leaves_what_was_kept(graph, tmp_path
         f'record:={run}'])
     graph.wait_for(lambda: ' of 24.0 s' in sim.output, 'the course to begin')
     assert sim.stop() == 0, sim.output
-    assert len(columns_of(run)['time_sec']) > 1
+    time = columns_of(run)['time_sec']
+    (ended,) = re.findall(r'the recording ends at (\S+) s because .* interrupted', sim.output)
+    assert len(time) > 1 and abs(float(ended) - (time[-1] - time[0])) < 0.5
+
+
+@MATPLOTLIB
+def test_a_drive_is_kept_beside_files_that_have_come_meanwhile(graph, tmp_path):
+    run, picture = tmp_path / 'run.csv', tmp_path / 'run.png'
+    sim = graph.start('diffdrive_sim', args=[
+        '--ros-args', '-p', f'record:={run}', '-p', f'picture:={picture}'])
+    graph.wait_for(lambda: ' of 24.0 s' in sim.output, 'the course to begin')
+    run.write_text('mine')
+    picture.write_text('mine')
+    assert sim.stop() == 0, sim.output
+    assert run.read_text() == picture.read_text() == 'mine'
+    assert len(columns_of(tmp_path / 'run_2.csv')['time_sec']) > 1
+    assert (tmp_path / 'run_2.png').read_bytes().startswith(b'\x89PNG')
+    for kept in ('run_2.csv', 'run_2.png', 'truth', 'x [m]'):
+        assert kept in sim.output
+
+
+def test_what_cannot_be_completed_loses_nothing_else():
+    class Table:
+
+        def close(self):
+            raise ValueError('the disk is full')
+
+    class Picture:
+
+        def close(self):
+            return 'wrote a.png'
+
+    keeping = Keeping(list, int)
+    keeping._kept = lambda: (Table(), Picture())
+    assert keeping.close(finished=True, interrupted=False) == ['wrote a.png']
+    with pytest.raises(ValueError, match='the disk is full'):
+        keeping.check()
 
 
 @MATPLOTLIB

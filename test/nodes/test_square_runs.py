@@ -72,6 +72,20 @@ def test_a_run_is_added_to_the_runs_that_are_there(graph, tmp_path):
     assert noted[1:3] == pytest.approx([float(each) for each in end], abs=1e-4)
 
 
+def test_interrupted_runs_say_that_there_is_no_calibration_and_how_to_go_on(graph, tmp_path):
+    runs, found = tmp_path / 'runs.csv', tmp_path / 'found.yaml'
+    settings = 'square_rounds:=10', 'real_time_factor:=50.0', f'square_runs:={runs}', (
+        f'calibration:={found}')
+    sim = graph.start('diffdrive_sim', args=[
+        '--ros-args', *FILES, *(part for each in settings for part in ('-p', each))])
+    graph.wait_for(lambda: 'run 1 of 20' in sim.output, 'a run to end')
+    assert sim.stop() == 0, sim.output
+    done = len(runs.read_text().splitlines()) - 1
+    assert f'interrupted after {done} of 20 runs: no calibration' in sim.output
+    assert 'calibrate --ros-args' in sim.output and f'square_runs:={runs}' in sim.output
+    assert not found.exists()
+
+
 def test_a_file_of_something_else_is_refused_before_the_drive_and_stays(graph, tmp_path):
     other = tmp_path / 'runs.csv'
     other.write_text('time_sec,x\n1,2\n')

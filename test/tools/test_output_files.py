@@ -18,8 +18,9 @@ import os
 from pathlib import Path
 import stat
 
-from diffdrive_kinematics.tools import output_files
-from diffdrive_kinematics.tools.output_files import check_writable, GrowingFile, write_files
+from diffdrive_kinematics.tools import growing_file
+from diffdrive_kinematics.tools.growing_file import GrowingFile
+from diffdrive_kinematics.tools.output_files import check_writable, write_files
 import pytest
 
 
@@ -132,18 +133,20 @@ def test_a_growing_text_that_is_given_up_leaves_nothing(tmp_path):
     assert not [*tmp_path.iterdir()]
 
 
-def test_a_growing_text_replaces_no_file_that_has_come_meanwhile(tmp_path):
-    file = tmp_path / 'run.csv'
+def test_a_growing_text_is_kept_beside_a_file_that_has_come_meanwhile(tmp_path):
+    file, second, third = (tmp_path / name for name in ('run.csv', 'run_2.csv', 'run_3.csv'))
     growing = GrowingFile(str(file), name='record', overwrite=False)
+    growing.write('one\n')
     file.write_text('mine')
-    with pytest.raises(ValueError, match='come to exist'):
-        growing.close()
-    assert file.read_text() == 'mine' and [*tmp_path.iterdir()] == [file]
+    second.write_text('mine too')
+    assert growing.close() == str(third)
+    assert file.read_text() == 'mine' and second.read_text() == 'mine too'
+    assert third.read_text() == 'one\n' and len([*tmp_path.iterdir()]) == 3
 
 
 def test_a_full_disk_is_said_at_the_end_of_a_growing_text(tmp_path, monkeypatch):
     monkeypatch.setattr(  # its file is on a device that is always full
-        output_files, 'open', lambda _, *how, **more: open('/dev/full', *how, **more),
+        growing_file, 'open', lambda _, *how, **more: open('/dev/full', *how, **more),
         raising=False)
     growing = GrowingFile(str(tmp_path / 'run.csv'), name='record', overwrite=False)
     for _ in range(10_000):

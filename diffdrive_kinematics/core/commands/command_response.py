@@ -217,9 +217,8 @@ class CommandResponse:
         Returns
         -------
         CommandFor
-            The command within the range driven; to stand still for standstill.  Where no command
-            yields the motion, yaw rate and speed come as near as they can.  A motion that is not
-            finite comes back as it is, for whoever refuses it.
+            The command within the range driven, the nearest where none yields the motion; to
+            stand still for standstill.  A motion that is not finite comes back as it is.
 
         Examples
         --------
@@ -230,11 +229,9 @@ class CommandResponse:
             return CommandFor(STILL, True)
         if not all(map(math.isfinite, motion)):
             return CommandFor(motion, False)
-        far = min(self.max_speed, most * abs(motion.v) / self.speed_gain)
+        far = min(self.max_speed, most * abs(motion.v) / self.speed_gain) if motion.v else 0.0
         low, high = 0.0, math.copysign(far, motion.v)
-        if motion.v == 0.0:
-            high = 0.0
-        elif abs(self._speed(high, self._yaw_rate(motion.w, high))) <= abs(motion.v):
+        if abs(self._speed(high, self._yaw_rate(motion.w, high))) <= abs(motion.v):
             low = high
         middle = low + 0.5 * (high - low)
         while abs(high - low) > ACCURACY and middle not in (low, high):
