@@ -140,4 +140,4 @@ def test_a_body_that_turns_too_much_asks_for_the_separation(graph, name):
 def test_a_negative_variance_is_refused_by_its_parameter(graph):
     base = graph.start('simulated_base', {**KHEPERA, 'turn_slip_variance': -0.01})
     assert base.wait() == 2
-    assert 'turn_slip_variance is -0.01, expected a finite number, 0 or above' in base.output
+    assert 'turn_slip_variance is -0.01, expected a finite number from 0 to 1000' in base.output

@@ -14,6 +14,8 @@
 
 """Tests of users do not hear each other, and leave nothing behind, however they end."""
 
+from contextlib import suppress
+import os
 from pathlib import Path
 import signal
 import subprocess
@@ -62,7 +64,8 @@ def test_it(diffdrive):
     robot.advance(0.1)
     used = shared_memory_of(process.pid) | shared_memory_of(os.getpid())
     assert used
-    Path('used').write_text('\\n'.join(sorted(used)))
+    Path('used').write_text('\\n'.join(
+        f'{{os.stat(name).st_ino}} {{name}}' for name in sorted(used) if Path(name).exists()))
     Path('pid').write_text(str(process.pid))
     {last}
 """
@@ -85,10 +88,14 @@ def test_tests_side_by_side_do_not_hear_each_other(files):
 
 
 def left_of(directory):
-    """Return what is left of the process of a test and of its shared memory."""
-    files = [Path(f"/proc/{(directory / 'pid').read_text()}"),
-             *map(Path, (directory / 'used').read_text().split('\n'))]
-    return [each for each in files if each.exists()]
+    """Return what is left of the process of a test and of its shared memory, whatever its name."""
+    process = Path(f"/proc/{(directory / 'pid').read_text()}")
+    left = [process] if process.exists() else []
+    for line in (directory / 'used').read_text().split('\n'):
+        number, name = line.split(' ', 1)
+        with suppress(FileNotFoundError):  # one of that name may be another process's by now
+            left += [Path(name)] * (os.stat(name).st_ino == int(number))
+    return left
 
 
 @pytest.mark.parametrize('workers', [[], ['-n', '1']], ids=['alone', 'in a worker'])

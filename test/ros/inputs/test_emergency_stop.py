@@ -105,7 +105,7 @@ def test_a_topic_stops_it_at_once_whatever_its_quality_of_service_and_lets_it_go
     assert set(robot.speeds(heard)) == {0.0}  # the command of before is over
     robot.drive()
     first = next(v for v in robot.speeds(heard) if v)
-    assert first == pytest.approx(0.5 / 50.0, rel=1e-9)  # the ramp begins at rest
+    assert first == pytest.approx(0.5 / 100.0, rel=1e-9)  # the ramp begins at rest
 
 
 @pytest.mark.quick
