@@ -21,11 +21,10 @@ from diffdrive_kinematics.nodes.diff_drive_controller import (
     build as build_controller, DiffDriveController)
 from diffdrive_kinematics.nodes.wheel_noise import build as build_noise
 from diffdrive_kinematics.ros.parameters.tables import DIFF_DRIVE_CONTROLLER, WHEEL_NOISE
-from nav_msgs.msg import Odometry
 import pytest
-from std_msgs.msg import Empty
 from support.graph import KHEPERA
 from support.inside import inside
+from support.true_run import driven, robot_with_truth
 
 RESPONSE = {
     'response_max_speed': 0.5, 'response_max_yaw_rate': 2.0, 'response_speed_gain': 1.03,
@@ -35,36 +34,10 @@ SIDE = [0.2, 0.0, 5.0, 0.1, math.pi / 8.0, 4.0]  # times on the grid of the cloc
 BIAS = {'left_bias': 0.001, 'right_bias': -0.001}
 
 
-def params_file(path, noise, controller):
-    """Write the parameters of a robot that drives a square with round corners."""
-    sections = {
-        '/**': {
-            **KHEPERA, 'clock_step': 0.05, 'real_time_factor': 0.0, 'publish_rate': 20.0,
-            'enable_odom_tf': False, 'joint_states_topic': "''", 'nodes': [
-                'command_sequence', 'diff_drive_controller', 'wheel_noise', 'simulated_base',
-                'simulated_base:truth']},
-        '/command_sequence': {
-            'commands': [*(4 * SIDE), 0.0, 0.0, 2.0], 'wait_for_topics': ['odom', 'go']},
-        '/wheel_noise': noise, '/diff_drive_controller': controller,
-        '/truth': {'wheel_motion_topic': 'noisy_wheel_rates', 'odom_topic': 'ground_truth',
-                   'odom_frame_id': 'map'}}
-    path.write_text('\n'.join(
-        f'{node}:\n  ros__parameters:\n' + '\n'.join(
-            f'    {name}: {str(value).lower() if isinstance(value, bool) else value}'
-            for name, value in values.items()) for node, values in sections.items() if values))
-    return str(path)
-
-
 def end_of(graph, tmp_path, noise, controller):
-    """Drive the square; return where the robot is at its end."""
-    last = {}
-    for topic in ('odom', 'ground_truth'):
-        graph.collect(Odometry, topic, lambda message, topic=topic: last.update({topic: message}))
-    go = graph.publisher(Empty, 'go', listeners=0)
-    sim = graph.start('diffdrive_sim', args=[
-        '--ros-args', '--params-file', params_file(tmp_path / 'run.yaml', noise, controller)])
-    graph.wait_for(lambda: len(last) == 2 or not sim.running, 'odometry of both')
-    graph.play_out(sim, go)
+    """Drive a square with round corners; return where the robot is at its end."""
+    last = driven(graph, tmp_path / 'run.yaml', robot_with_truth(
+        [*(4 * SIDE), 0.0, 0.0, 2.0], 0.05, wheel_noise=noise, diff_drive_controller=controller))
 
     def arrived():  # what the process said last may be read after its end
         truth = last['ground_truth']

@@ -27,6 +27,7 @@ import pytest
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Empty
 from support.graph import JOINTS, KHEPERA, pose_of, set_stamp, stamp_ns
+from support.true_run import write_params
 
 GEOMETRY = WheelGeometry(KHEPERA['wheel_separation'], KHEPERA['wheel_radius'])
 SLIP = {'left_slip_variance': 2e-6, 'right_slip_variance': 1e-6}
@@ -162,16 +163,6 @@ def test_an_uncertain_heading_is_published_or_drawn(graph, seed):
         assert variance == pytest.approx(0.0, abs=1e-12)
 
 
-def written(lines, path):
-    """Write a params file; return its path."""
-    path.write_text('\n'.join(
-        f'{name}:\n  ros__parameters:\n' + '\n'.join(
-            f'    {key}: {str(value).lower() if isinstance(value, bool) else value}'
-            for key, value in values.items())
-        for name, values in lines.items()))
-    return path
-
-
 STRAIGHT = {  # 20 m, at whose end the yaw has a standard deviation of 0.1 rad
     '/**': {
         **KHEPERA, 'wheel_separation': 0.2, 'left_slip_variance': 1e-5,
@@ -187,7 +178,7 @@ def test_the_covariance_of_a_long_straight_is_that_of_20000_sampled_paths(graph,
     odometry = graph.collect(Odometry, 'odom')
     go = graph.publisher(Empty, 'go', listeners=0)
     sim = graph.start('diffdrive_sim', args=[
-        '--ros-args', '--params-file', str(written(STRAIGHT, tmp_path / 'straight.yaml'))])
+        '--ros-args', '--params-file', write_params(tmp_path / 'straight.yaml', STRAIGHT)])
     graph.wait_for(lambda: odometry or not sim.running, 'odometry')
     graph.play_out(sim, go)
     graph.wait_for(lambda: pose_of(odometry[-1]).x > 20.0 - 1e-6, 'the end')
@@ -219,7 +210,7 @@ def params_file(path):
             'wheel_motion_topic': 'noisy_wheel_rates', 'odom_topic': 'ground_truth',
             'odom_frame_id': 'map', 'publish_rate': 1.0},
         **{f'/run{run}/noise': {'seed': run} for run in range(RUNS)}}
-    return written(lines, path)
+    return write_params(path, lines)
 
 
 def test_belief_is_consistent_with_truth_over_50_runs_of_the_nodes(graph, tmp_path):
@@ -235,7 +226,7 @@ def test_belief_is_consistent_with_truth_over_50_runs_of_the_nodes(graph, tmp_pa
     go = graph.publisher(Empty, 'go', listeners=0)
     sim = graph.start(
         'diffdrive_sim',
-        args=['--ros-args', '--params-file', str(params_file(tmp_path / 'runs.yaml'))])
+        args=['--ros-args', '--params-file', params_file(tmp_path / 'runs.yaml')])
     graph.wait_for(lambda: len(last) == len(topics) or not sim.running, 'odometry of all')
     graph.play_out(sim, go)
     belief = last['odom']

@@ -28,15 +28,14 @@ from diffdrive_kinematics.ros.parameters.descriptors import RANGES
 from diffdrive_kinematics.ros.parameters.parameter_checks import check_slip
 from diffdrive_kinematics.ros.parameters.tables import SIMULATED_BASE
 from diffdrive_kinematics.tools.robots import moments_of
-from nav_msgs.msg import Odometry
 import numpy as np
 import pytest
 from rclpy.parameter import Parameter
 from sensor_msgs.msg import JointState
-from std_msgs.msg import Empty
 from std_srvs.srv import Trigger
 from support.graph import JOINTS, KHEPERA, pose_of, set_stamp
 from support.inside import inside
+from support.true_run import driven, robot_with_truth
 
 PLANAR = np.ix_([0, 1, 5], [0, 1, 5])
 GEOMETRY = WheelGeometry(KHEPERA['wheel_separation'], KHEPERA['wheel_radius'])
@@ -48,39 +47,11 @@ COURSE = [Command(0.4, 0.0, 5.0), Command(0.2, 0.2, 5.0), Command(0.0, -1.0, 1.0
 FLOOR = 1e-9
 
 
-def params_file(path, noise, belief):
-    """Write the parameters of a robot with a true run beside it."""
-    sections = {
-        '/**': {
-            **KHEPERA, 'clock_step': 0.1, 'real_time_factor': 0.0, 'publish_rate': 10.0,
-            'enable_odom_tf': False, 'joint_states_topic': "''", 'nodes': [
-                'command_sequence', 'diff_drive_controller', 'wheel_noise', 'simulated_base',
-                'simulated_base:truth']},
-        '/command_sequence': {
-            'commands': [
-                number for each in COURSE for number in (each.v, each.w, each.duration)]
-            + [0.0, 0.0, 2.0],
-            'wait_for_topics': ['odom', 'go']},
-        '/wheel_noise': noise, '/simulated_base': belief,
-        '/truth': {'wheel_motion_topic': 'noisy_wheel_rates', 'odom_topic': 'ground_truth',
-                   'odom_frame_id': 'map'}}
-    path.write_text('\n'.join(
-        f'{node}:\n  ros__parameters:\n' + '\n'.join(
-            f'    {name}: {str(value).lower() if isinstance(value, bool) else value}'
-            for name, value in values.items()) for node, values in sections.items() if values))
-    return str(path)
-
-
 def ends(graph, tmp_path, noise, belief):
     """Drive the course; return the last odometry of the belief and of the truth."""
-    last = {}
-    for topic in ('odom', 'ground_truth'):
-        graph.collect(Odometry, topic, lambda message, topic=topic: last.update({topic: message}))
-    go = graph.publisher(Empty, 'go', listeners=0)
-    sim = graph.start('diffdrive_sim', args=[
-        '--ros-args', '--params-file', params_file(tmp_path / 'session.yaml', noise, belief)])
-    graph.wait_for(lambda: len(last) == 2 or not sim.running, 'odometry of both')
-    graph.play_out(sim, go)
+    commands = [number for each in COURSE for number in (each.v, each.w, each.duration)]
+    last = driven(graph, tmp_path / 'session.yaml', robot_with_truth(
+        [*commands, 0.0, 0.0, 2.0], 0.1, wheel_noise=noise, simulated_base=belief))
     still = graph.wait_for(lambda: not any(
         message.twist.twist.linear.x for message in last.values()) and last, 'the end')
     return still['odom'], still['ground_truth']
