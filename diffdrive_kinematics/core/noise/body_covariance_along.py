@@ -20,9 +20,9 @@ As :mod:`.covariance_along`, to first order: linear in the constants, which is w
 
 from typing import Tuple
 
-from diffdrive_kinematics.core.kinematics import pose_change_from_travel, sinc, WheelGeometry
+from diffdrive_kinematics.core.kinematics import WheelGeometry
 from diffdrive_kinematics.core.noise.arc_means import arc_means_of_all
-from diffdrive_kinematics.core.noise.matrices import gathered
+from diffdrive_kinematics.core.noise.path_arcs import arcs_along
 import numpy as np
 from numpy.typing import NDArray
 
@@ -62,12 +62,8 @@ def body_covariance_along(geometry: WheelGeometry, travel: Array) -> Array:
     '1.0 0.0 1.0 0.333'
 
     """
-    distance, turn = pose_change_from_travel(geometry, *travel.T)
-    half = 0.5 * turn
-    theta = np.cumsum(turn)
-    way, chord = theta - half, distance * sinc(half)
-    x, y = np.cumsum(chord * np.cos(way)), np.cumsum(chord * np.sin(way))
-    return gathered(_added(distance, turn, chord, half), way, x[-1] - x, y[-1] - y)
+    arcs = arcs_along(geometry, travel)
+    return arcs.gathered(_added(arcs.distance, arcs.turn, arcs.chord, arcs.half))
 
 
 def _added(distance: Array, turn: Array, chord: Array, half: Array) -> Tuple[Array, ...]:

@@ -21,9 +21,9 @@ each arc's part is swung by all the motion that is left, and the parts are added
 
 from typing import Tuple
 
-from diffdrive_kinematics.core.kinematics import Pose, pose_change_from_travel, sinc, WheelGeometry
+from diffdrive_kinematics.core.kinematics import Pose, WheelGeometry
 from diffdrive_kinematics.core.noise.arc_means import arc_means_of_all
-from diffdrive_kinematics.core.noise.matrices import gathered
+from diffdrive_kinematics.core.noise.path_arcs import arcs_along
 import numpy as np
 from numpy.typing import NDArray
 
@@ -60,15 +60,9 @@ def covariance_along(geometry: WheelGeometry, travel: Array) -> Tuple[Pose, Arra
     'Var theta = 8.0e-04 rad^2'
 
     """
-    d_left, d_right = travel.T
-    distance, turn = pose_change_from_travel(geometry, d_left, d_right)
-    half = 0.5 * turn
-    theta = np.cumsum(turn)
-    way, chord = theta - half, distance * sinc(half)
-    x, y = np.cumsum(chord * np.cos(way)), np.cumsum(chord * np.sin(way))
-    added = _added(geometry.separation, travel.T, chord, half)
-    return (Pose(float(x[-1]), float(y[-1]), float(theta[-1])),
-            gathered(added, way, x[-1] - x, y[-1] - y))
+    arcs = arcs_along(geometry, travel)
+    pose = Pose(float(arcs.x[-1]), float(arcs.y[-1]), float(arcs.theta[-1]))
+    return pose, arcs.gathered(_added(geometry.separation, travel.T, arcs.chord, arcs.half))
 
 
 def _added(separation: float, travel: Array, chord: Array, half: Array) -> Tuple[Array, ...]:
