@@ -24,8 +24,7 @@ from rclpy.validate_topic_name import validate_topic_name
 
 __all__ = [
     'Check', 'check_bias', 'check_count', 'check_delay', 'check_description', 'check_diagonal',
-    'check_frame',
-    'check_gear_ratio', 'check_horizon', 'check_joint_names', 'check_named',
+    'check_frame', 'check_gear_ratio', 'check_horizon', 'check_joint_names', 'check_named',
     'check_non_negative_or_nan', 'check_offset', 'check_one_of', 'check_optional_picture',
     'check_optional_seed', 'check_optional_topic', 'check_picture', 'check_port', 'check_pose',
     'check_positive_or_nan', 'check_prefix', 'check_radius_multiplier', 'check_range',
@@ -82,25 +81,25 @@ def check_port(name: str, value: int) -> None:
         raise ValueError(f'{name} is {value}, expected 0 to 65535')
 
 
+def _check_integer(name: str, value: int, least: int, most: int) -> None:
+    if not least <= value <= most:
+        raise ValueError(f'{name} is {value!r}, expected an integer from {least} to {most}')
+
+
 def check_count(name: str, value: int) -> None:
-    if not 1 <= value <= MOST:
-        raise ValueError(f'{name} is {value!r}, expected an integer from 1 to {MOST}')
+    _check_integer(name, value, 1, MOST)
 
 
 def check_window(name: str, value: int) -> None:
-    if not 1 <= value <= MOST_IN_WINDOW:
-        raise ValueError(
-            f'{name} is {value!r}, expected an integer from 1 to {MOST_IN_WINDOW}')
+    _check_integer(name, value, 1, MOST_IN_WINDOW)
 
 
 def check_rounds(name: str, value: int) -> None:
-    if not 0 <= value <= MOST_ROUNDS:
-        raise ValueError(f'{name} is {value!r}, expected an integer from 0 to {MOST_ROUNDS}')
+    _check_integer(name, value, 0, MOST_ROUNDS)
 
 
 def check_stages(name: str, value: int) -> None:
-    if not 1 <= value <= MOST_STAGES:
-        raise ValueError(f'{name} is {value!r}, expected an integer from 1 to {MOST_STAGES}')
+    _check_integer(name, value, 1, MOST_STAGES)
 
 
 def check_horizon(name: str, value: float) -> None:
