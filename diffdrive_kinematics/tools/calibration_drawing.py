@@ -21,7 +21,7 @@ from diffdrive_kinematics.core.calibration import (
     TrajectoryFit, Umbmark, windows_between)
 from diffdrive_kinematics.core.kinematics import Pose, WheelGeometry
 from diffdrive_kinematics.tools.calibration import Calibration
-from diffdrive_kinematics.tools.drawing import file_of, new_figure
+from diffdrive_kinematics.tools.drawing import file_of, in_plan, new_figure
 from diffdrive_kinematics.tools.response_drawing import draw_response
 import numpy as np
 
@@ -129,13 +129,10 @@ def _draw_plan(
         axes.plot(*way[-1], 'o', color=colour, ms=5)
     axes.plot(*reference[0, :2], 's', color='black', ms=6, mfc='none', label='start')
     axes.plot(*reference[-1, :2], 'o', color='black', ms=5)
-    axes.set_aspect('equal', adjustable='datalim')
-    axes.set_xlabel('x [m]')
-    axes.set_ylabel('y [m]')
+    in_plan(axes)
     axes.set_title('The way that was driven' if len(drives) == 1 else
                    f'Drive {worst + 1} of {len(drives)}, whose end odometry missed most',
                    fontsize='medium')
-    axes.grid(alpha=0.25)
     figure.legend(loc='outside lower center', ncols=2, fontsize='small', frameon=False)
 
 

@@ -22,7 +22,8 @@ from diffdrive_kinematics.core.noise import PoseCovariance
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ['MISSING', 'Picture', 'along_arcs', 'drawn', 'ellipse', 'file_of', 'new_figure']
+__all__ = [
+    'MISSING', 'Picture', 'along_arcs', 'drawn', 'ellipse', 'file_of', 'in_plan', 'new_figure']
 
 MISSING = (
     "matplotlib, which is missing: pip install '.[plot]' or apt install python3-matplotlib")
@@ -135,6 +136,14 @@ def new_figure(*, figsize: Tuple[float, float]) -> Any:
     """Return a figure of matplotlib of a size [inch]; ``ImportError`` where that is missing."""
     from matplotlib.figure import Figure
     return Figure(figsize=figsize, layout='constrained')
+
+
+def in_plan(axes: Any) -> None:
+    """Make the axes of a figure a plan view in metres."""
+    axes.set_aspect('equal', adjustable='datalim')
+    axes.set_xlabel('x [m]')
+    axes.set_ylabel('y [m]')
+    axes.grid(alpha=0.25)
 
 
 def file_of(figure: Any, suffix: str) -> bytes:

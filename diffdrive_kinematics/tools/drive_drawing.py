@@ -20,7 +20,7 @@ from typing import Any, Dict, Sequence, Tuple
 
 from diffdrive_kinematics.core.kinematics import Pose
 from diffdrive_kinematics.core.noise import NO_COVARIANCE
-from diffdrive_kinematics.tools.drawing import ellipse, file_of, MISSING, new_figure
+from diffdrive_kinematics.tools.drawing import ellipse, file_of, in_plan, MISSING, new_figure
 from diffdrive_kinematics.tools.output_files import (
     beside, check_writable, free_path, write_files)
 from diffdrive_kinematics.tools.robots import Moment
@@ -75,11 +75,8 @@ class DrivePicture:
         axes = self._figure.add_subplot()
         for way in self._ways.values():
             way.draw(axes)
-        axes.set_aspect('equal', adjustable='datalim')
-        axes.set_xlabel('x [m]')
-        axes.set_ylabel('y [m]')
+        in_plan(axes)
         axes.set_title('\n'.join(map(str, self._ways.values())), fontsize='medium')
-        axes.grid(alpha=0.25)
         handles, labels = axes.get_legend_handles_labels()
         first = [handles[labels.index(label)] for label in dict.fromkeys(labels)]
         self._figure.legend(handles=first, loc='outside lower center', ncols=4, fontsize='small',
