@@ -67,6 +67,7 @@ class BagRecorder:
         self._directory = Path(part_of(path))
         self._writer: Any = _writer(str(self._directory))
         self.count = 0
+        self._first_ns = self._last_ns = 0
 
     def watch(self, publishers: Iterable[Publisher], now_ns: Callable[[], int]) -> None:
         """Record what publishers publish from now on, at the time of a clock."""
@@ -84,13 +85,20 @@ class BagRecorder:
             if not self._failed:
                 data = message if isinstance(message, bytes) else serialize_message(message)
                 try:
-                    self._writer.write(topic, name, now_ns(), data)
+                    time_ns = now_ns()
+                    self._writer.write(topic, name, time_ns, data)
+                    self._first_ns = self._first_ns if self.count else time_ns
+                    self._last_ns = time_ns
                     self.count += 1
                 except (OSError, RuntimeError) as error:
                     self._failed = str(error)  # the drive goes on
             publish(message)
 
         return recorded
+
+    def length_s(self) -> float:
+        """Return the time [s] from the first to the last message."""
+        return (self._last_ns - self._first_ns) / 1e9
 
     def close(self) -> str:
         """Complete the file and return a line that says so; ``CannotRecord`` if it cannot be."""

@@ -56,18 +56,24 @@ class DriveTable:
                 f'record is {path!r}, and nodes has {len(start)} robots with odometry, expected '
                 'one robot; an .mcap file is of any number')
         self._path, self._rows = path, 0
+        self._first_ns = self._last_ns = 0
         self._file = GrowingFile(path, name='record', overwrite=overwrite)
         self._file.write(','.join(COLUMNS + (TRUTH if start[0].truth else ())) + '\n')
 
     def note(self, moments: Sequence[Moment]) -> None:
         """Add a row."""
         (_, time_ns, belief, _, truth), = moments
+        self._first_ns, self._last_ns = self._first_ns if self._rows else time_ns, time_ns
         seconds, nanoseconds = divmod(time_ns, 10**9)
         self._file.write(','.join([
             f'{seconds}.{nanoseconds:09d}',
             *(f'{value:.12g}' for value in (
                 *belief.angles, *belief.twist, *belief.pose, *(truth or ())))]) + '\n')
         self._rows += 1
+
+    def length_s(self) -> float:
+        """Return the time [s] from the first to the last row."""
+        return (self._last_ns - self._first_ns) / 1e9
 
     def close(self) -> str:
         """Complete the file, and return a line that says so; ``ValueError`` if that cannot be."""

@@ -49,7 +49,7 @@ class Keeping:
         self._picture: Optional[DrivePicture] = None
         self._bag: Optional[BagRecorder] = None
         self._squares: Optional[SquareNotes] = None
-        self._next_ns = self._began_ns = 0
+        self._next_ns = 0
         self._calibration = ''
         self._failed: List[str] = []
 
@@ -57,7 +57,7 @@ class Keeping:
         """Keep the drive in ``record`` and ``picture``; ``ValueError`` where that cannot be."""
         record, picture, overwrite = (
             values[name] for name in ('record', 'picture', 'overwrite'))
-        self._began_ns, self._calibration = self._now_ns(), values['calibration']
+        self._calibration = values['calibration']
         if values['calibration']:
             check_writable(values['calibration'], name='calibration', overwrite=overwrite)
         if picture:
@@ -117,10 +117,9 @@ class Keeping:
                 lines += [done] if isinstance(done, str) else done
             except ValueError as error:
                 self._failed.append(str(error))
-        if interrupted and (self._table or self._bag):
-            seconds = (self._now_ns() - self._began_ns) / 1e9
-            lines.append(f'the recording ends at {seconds:.2f} s because the course was '
-                         'interrupted')
+        if interrupted and (recording := self._table or self._bag):
+            lines.append(f'the recording ends at {recording.length_s():.2f} s because the course '
+                         'was interrupted')
         if interrupted and squares:
             lines.extend(squares.left(self._calibration))
         return lines

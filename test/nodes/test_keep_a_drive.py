@@ -23,8 +23,10 @@ from diffdrive_kinematics.core.kinematics import (
     advance, Pose, twist_from_wheel_rates, WheelGeometry, wrap_angle)
 from diffdrive_kinematics.ros.parameters.package_share import share_directory
 from diffdrive_kinematics.tools.keeping import Keeping
+from diffdrive_kinematics.tools.robots import Moment
 import numpy as np
 import pytest
+from support.driver import base, S
 from support.graph import KHEPERA
 
 CONFIG = share_directory() / 'config'
@@ -149,7 +151,20 @@ def test_a_drive_in_real_time_that_is_ended_leaves_what_was_kept(graph, tmp_path
     assert sim.stop() == 0, sim.output
     time = columns_of(run)['time_sec']
     (ended,) = re.findall(r'the recording ends at (\S+) s because .* interrupted', sim.output)
-    assert len(time) > 1 and abs(float(ended) - (time[-1] - time[0])) < 0.5
+    assert len(time) > 1 and float(ended) == pytest.approx(time[-1] - time[0], abs=0.006)
+
+
+def test_an_interrupted_recording_is_as_long_as_its_rows_however_late_it_is_closed(tmp_path):
+    now_ns, pose = 5 * S, Pose(0.0, 0.0, 0.0)
+    keeping = Keeping(
+        lambda: [Moment('', now_ns, base().predict(now_ns), None, pose)], lambda: now_ns)
+    keeping.begin({'record': str(tmp_path / 'run.csv'), 'picture': '', 'overwrite': False,
+                   'calibration': ''}, [])
+    for now_ns in (7 * S, 8 * S, 9 * S + S // 2):
+        keeping.note()
+    now_ns = 30 * S
+    assert keeping.close(finished=False, interrupted=True)[-1] == (
+        'the recording ends at 2.50 s because the course was interrupted')
 
 
 @MATPLOTLIB
