@@ -45,6 +45,8 @@ PRIVATE_NAMES = {
     'get_ros_time_override_is_enabled', 'source_timestamp', 'received_timestamp',
     'publication_sequence_number', 'reception_sequence_number', '__signature__'}
 PUBLIC_IN_SPITE = {'_replace', '_asdict', '_fields', '_exit'}  # of NamedTuple and os
+ASKED_OF_THE_RUNTIME = re.compile(
+    '(create|destroy)_(client|guard_condition|publisher|rate|service|subscription|timer)')
 COMPOSER = f'{PACKAGE}.nodes.diffdrive_sim'
 BASE_CLASSES = {f'{PACKAGE}.nodes.wheel_odometry': {f'{PACKAGE}.nodes.simulated_base'}}
 
@@ -164,6 +166,30 @@ def test_the_finder_of_private_rclpy_finds_each_kind(source, names):
 def test_one_file_knows_what_is_private_in_rclpy(path):
     found = private_rclpy_in(path.read_text())
     assert bool(found) == (path == PRIVATE_RCLPY), f'{name_of(path)} names {found}'
+
+
+def past_the_runtime_in(source):
+    """Return what a source asks of rclpy that a node asks of its runtime."""
+    return {node.attr for node in ast.walk(ast.parse(source))
+            if isinstance(node, ast.Attribute) and ASKED_OF_THE_RUNTIME.fullmatch(node.attr)}
+
+
+@pytest.mark.parametrize('source, names', [
+    ('self.create_timer(1.0, self._end)', {'create_timer'}),
+    ("[node.create_client(Trigger, name) for name in 'ab']", {'create_client'}),
+    ('self._node.destroy_subscription(subscription)', {'destroy_subscription'}),
+    ('make = node.create_publisher', {'create_publisher'}),
+    ('self.runtime.every(1.0, self._end); node.destroy_node()', set())])
+def test_the_finder_of_ways_past_the_runtime_finds_each_kind(source, names):
+    assert past_the_runtime_in(source) == names
+
+
+@pytest.mark.parametrize('path', [
+    path for path in FILES
+    if room_of(module_of(path)) in ('nodes', 'ros.inputs', 'ros.publishers')], ids=name_of)
+def test_nodes_ask_the_runtime_for_topics_timers_services_and_clients(path):
+    found = past_the_runtime_in(path.read_text())
+    assert not found, f'{name_of(path)} uses {found}, past the runtime of the node'
 
 
 def test_every_file_is_in_a_room_and_every_room_has_files():

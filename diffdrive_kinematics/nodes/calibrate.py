@@ -42,8 +42,6 @@ from diffdrive_kinematics.tools.output_files import check_writable, write_files
 from diffdrive_kinematics.tools.progress import Progress
 from geometry_msgs.msg import PoseStamped
 from nav_msgs.msg import Odometry
-from rclpy.clock import Clock
-from rclpy.clock_type import ClockType
 from sensor_msgs.msg import JointState
 from std_srvs.srv import Trigger
 
@@ -159,8 +157,8 @@ class Calibrate(DiffDriveNode[Config]):
             self.get_logger().error(f'cannot finish: {response.message}')
             return response
         response.success = True
-        self._farewell = self.create_timer(  # not of simulated time, which may stand still
-            FAREWELL_S, self._end, clock=Clock(clock_type=ClockType.STEADY_TIME))
+        self._farewell = self.runtime.every(1.0 / FAREWELL_S, self._end, steadily=True)
+        self._farewell.reset()  # a whole period from now; the first one may be shorter
         return response
 
     def finish(self) -> str:

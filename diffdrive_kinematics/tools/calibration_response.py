@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""What ``calibrate`` finds of a robot that is known by its commands: how it follows them."""
+"""What ``calibrate`` finds of a robot without encoders: how it follows them."""
 
 from typing import Any, Callable, Dict, Mapping, Sequence
 

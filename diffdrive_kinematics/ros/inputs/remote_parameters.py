@@ -47,8 +47,8 @@ class RemoteParameters:
             self, node: Any, target: str, names: Sequence[str],
             show: Callable[[Dict[str, float]], None]) -> None:
         self._names, self._show = names, show
-        self._get = node.create_client(GetParameters, f'{target}/get_parameters')
-        self._set = node.create_client(SetParameters, f'{target}/set_parameters')
+        self._get = node.runtime.client(GetParameters, f'{target}/get_parameters')
+        self._set = node.runtime.client(SetParameters, f'{target}/set_parameters')
         self._wanted, self._asked_s = False, -math.inf
 
     def ask(self) -> None:

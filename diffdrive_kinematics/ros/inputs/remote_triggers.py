@@ -40,7 +40,7 @@ class RemoteTriggers:
             self, node: Any, services: Mapping[str, Sequence[str]],
             complain: Callable[[str], None]) -> None:
         self._complain = complain
-        self._clients = {name: [node.create_client(Trigger, service) for service in each]
+        self._clients = {name: [node.runtime.client(Trigger, service) for service in each]
                          for name, each in services.items()}
 
     def call(self, name: str) -> None:

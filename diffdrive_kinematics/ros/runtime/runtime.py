@@ -27,6 +27,7 @@ from diffdrive_kinematics.ros.runtime.final_command import repeat_until_heard
 from diffdrive_kinematics.ros.runtime.polling import Poll
 from diffdrive_kinematics.ros.runtime.rclpy_private import informing, MessageInfo, time_of
 from diffdrive_kinematics.ros.runtime.rejections import Rejections
+from rclpy.client import Client
 from rclpy.clock import Clock
 from rclpy.clock_type import ClockType
 from rclpy.node import Node
@@ -40,7 +41,7 @@ __all__ = ['Runtime']
 
 class Runtime:
     """
-    The time, timers, topics and services of a node: all that it asks of the world.
+    The time, timers, topics, services and clients of a node: all that it asks of the world.
 
     Here they are rclpy's own timers and callbacks: on real and simulated time, in any executor,
     by any rmw.
@@ -188,6 +189,10 @@ class Runtime:
         A ``ValueError`` of the callback refuses the request.
         """
         return self._node.create_service(service_type, name, callback)
+
+    def client(self, service_type: type, name: str) -> Client:
+        """Return a client of a service."""
+        return self._node.create_client(service_type, name)
 
     def conclude(self, say: Callable[[], Sequence[Publisher]]) -> None:
         """Have the final command said, and see that it is heard."""

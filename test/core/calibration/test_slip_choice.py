@@ -35,7 +35,7 @@ ROBOT = WheelGeometry(0.25, 0.033)
 ORIGIN = Pose(0.0, 0.0, 0.0)
 NOISE = ReferenceNoise(5e-4, 2e-3)
 WHEELS = (1e-6, NO_BODY_SLIP)
-BODY = (0.0, BodySlip(1e-3, 1e-2, 4e-3))  # as of robots that are known by their commands
+BODY = (0.0, BodySlip(1e-3, 1e-2, 4e-3))  # as of robots without encoders
 SEEDS = 10
 
 
