@@ -13,21 +13,23 @@
 # limitations under the License.
 
 """
-What the nodes cost and how soon they answer, beside the least that a Python node can, in one run.
+What the nodes cost and how soon they answer, beside hand-written nodes, in one run.
 
 Run by hand on a machine that is otherwise idle::
 
     python test/benchmark/bench_nodes.py [--rounds 5] [--seconds 8] [--json FILE]
         [--peer NAME 'ARGV ...'] [--tree NAME DIRECTORY] [--latency] [--rates] [--robots]
 
-Each round starts every subject once, one after the other: the floor (floor_node.py), the base
-alone, the stack (controller and base in one process), and peers, which have to publish odom.
-They hear wheel rates (the stack: cmd_vel) at 50 Hz and publish odometry and joint states at
-100 Hz.  Printed: CPU over all threads per cent of a core, and per odometry; resident memory; the
-time from the start of the process to the first odometry; the scatter of the times between
-odometries by their stamps; ticks that came late by more than half a period, or never; from
-cmd_vel to the first odometry with its speed; as min, median and max over the rounds, and the
-ratio of the medians to the floor.  ``--tree`` adds base and stack of another checkout.
+Each round starts every subject once, one after the other: a node that publishes prebuilt bytes
+(prebuilt_node.py), the limit of what a base in Python can be (flat_node.py), the base alone, the
+stack (controller and base in one process), both with the covariance of slipping wheels, and
+peers, which have to publish odom.  They hear wheel rates (the stack: cmd_vel) at 50 Hz and
+publish odometry and joint states at 100 Hz.  Printed: CPU over all threads per cent of a core, and
+per odometry; resident memory; the time from the start of the process to the first odometry; the
+scatter of the times between odometries by their stamps; ticks that came late by more than half a
+period, or never; from cmd_vel to the first odometry with its speed; as min, median and max over
+the rounds, and the ratio of the medians to those of the prebuilt node.  ``--tree`` adds base and
+stack of another checkout.
 
 ``--latency``: from cmd_vel to wheel_rates, of the controller and of relay_node.py, from before a
 command is published until DDS has the answer.  ``--rates`` (10 Hz to 1 kHz) and ``--robots`` (1 to
@@ -59,7 +61,8 @@ from sensor_msgs.msg import JointState
 HERE = Path(__file__).resolve().parent
 TICKS = os.sysconf('SC_CLK_TCK')
 RADIUS, SEPARATION = 0.033, 0.16
-GEOMETRY = [f'wheel_radius:={RADIUS}', f'wheel_separation:={SEPARATION}', 'enable_odom_tf:=false']
+SETTINGS = [f'wheel_radius:={RADIUS}', f'wheel_separation:={SEPARATION}', 'enable_odom_tf:=false',
+            'left_slip_variance:=1e-4', 'right_slip_variance:=1e-4']
 START_TIMEOUT_S, WARM_UP_S, IN_RATE = 120.0, 2.0, 50.0
 FIRST_DOMAIN = 60
 FILES = tempfile.TemporaryDirectory()
@@ -76,7 +79,7 @@ def ros_arguments(*parameters):
 def package(executable, *parameters):
     """Return the argv of an executable of the package."""
     start = f'from diffdrive_kinematics.executables import {executable}; {executable}()'
-    return [sys.executable, '-c', start, *ros_arguments(*GEOMETRY, *parameters)]
+    return [sys.executable, '-c', start, *ros_arguments(*SETTINGS, *parameters)]
 
 
 def base(rate):
@@ -87,7 +90,7 @@ def base(rate):
 def simulation(nodes, rate):
     """Return the argv of nodes in one process, by a params file of their own."""
     lines = ['/**:', '  ros__parameters:', f'    nodes: [{", ".join(map(repr, nodes))}]',
-             *(f'    {each.replace(":=", ": ")}' for each in GEOMETRY),
+             *(f'    {each.replace(":=", ": ")}' for each in SETTINGS),
              '/**/simulated_base:', f'  ros__parameters: {{publish_rate: {float(rate)}}}',
              '/**/base:', f'  ros__parameters: {{publish_rate: {float(rate)}}}']
     file = Path(FILES.name) / f'{len(nodes)}_{rate}.yaml'
@@ -314,7 +317,8 @@ def main():
     for option in ('latency', 'rates', 'robots'):
         parser.add_argument(f'--{option}', action='store_true')
     options = parser.parse_args()
-    floor = [sys.executable, str(HERE / 'floor_node.py')]
+    prebuilt, flat = ([sys.executable, str(HERE / f'{name}_node.py')] for name in (
+        'prebuilt', 'flat'))
     relay = [sys.executable, str(HERE / 'relay_node.py')]
     everything = {}
 
@@ -328,11 +332,12 @@ def main():
     for tree in (here, *trees.values()):  # as an installation does
         compileall.compile_dir(tree / 'diffdrive_kinematics', quiet=1)
     run('100 Hz', {
-        'floor': Subject([*floor, '100']), 'base': Subject(base(100)),
+        'prebuilt': Subject([*prebuilt, '100']), 'flat': Subject([*flat, '100']),
+        'base': Subject(base(100)),
         'stack': Subject(stack(100)),
         **{f'base, {name}': Subject(base(100), tree=tree) for name, tree in trees.items()},
         **{f'stack, {name}': Subject(stack(100), tree=tree) for name, tree in trees.items()},
-        **{name: Subject(shlex.split(argv)) for name, argv in options.peer}}, 'floor')
+        **{name: Subject(shlex.split(argv)) for name, argv in options.peer}}, 'prebuilt')
     if options.latency:
         run('answers', {
             'relay of bytes': Subject([*relay, 'bytes'], topics=(), relays=True),
@@ -343,8 +348,8 @@ def main():
                 for name, tree in trees.items()}}, 'relay of objects')
     if options.rates:
         for rate in (10, 100, 1000):
-            run(f'{rate} Hz', {'floor': Subject([*floor, str(rate)], rate),
-                               'base': Subject(base(rate), rate)}, 'floor')
+            run(f'{rate} Hz', {'prebuilt': Subject([*prebuilt, str(rate)], rate),
+                               'base': Subject(base(rate), rate)}, 'prebuilt')
     if options.robots:
         run('robots at 20 Hz', {
             f'{n} robots': Subject(

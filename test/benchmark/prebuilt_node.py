@@ -13,10 +13,10 @@
 # limitations under the License.
 
 """
-The least that a Python node of this kind can cost, to compare the package with.
+A hand-written Python node that publishes prebuilt bytes, to compare the package with.
 
 Wheel rates in (raw), odometry and joint states out at a fixed rate, as bytes of which only the
-stamp and the position are overwritten; EventsExecutor.  It integrates nothing.
+stamp is overwritten; a timer of rclpy, EventsExecutor.  It integrates nothing.
 Arguments: rate [Hz].
 """
 
@@ -38,7 +38,7 @@ STAMP = struct.Struct('<iI')
 def main():
     """Publish until asked to stop."""
     rclpy.init()
-    node = rclpy.create_node('floor')
+    node = rclpy.create_node('prebuilt')
     odometry, joints = Odometry(), JointState(name=['left_wheel_joint', 'right_wheel_joint'])
     odometry.header.frame_id, odometry.child_frame_id = 'odom', 'base_link'
     joints.position = joints.velocity = [0.0, 0.0]
