@@ -17,7 +17,7 @@ Measure the speed of ``propagate`` against C, side by side on one core.
 
 ``python test/benchmark/bench_propagate.py [--json FILE] [--poses N] [--repeats N]``
 
-Four things take turns, so that whatever else the machine does falls on all of them alike:
+These take turns, so that whatever else the machine does falls on all of them alike:
 
 ``numpy``
     ``propagate``: float64, one noisy step, three normals a pose.
@@ -25,16 +25,21 @@ Four things take turns, so that whatever else the machine does falls on all of t
     Odometry sampling as in AMCL, in C (``amcl_type.c``).
 ``same_maths``
     The arithmetic of ``propagate`` in scalar C (``same_maths.c``).
+``numba``
+    The same in Python, compiled by numba, where it is installed.
 ``copy``
-    The in_flight of the pose arrays alone, read and written: the limit.
+    The pose arrays alone, read and written: the limit.
 
 The C is compiled with ``gcc -O3 -march=native`` into a temporary directory.  Everything writes
-into fresh memory, as ``propagate`` does, but for ``amcl_type``, which works in place.
+into memory at hand, as a particle filter does (``out=``).  What counts is processor time, user and
+system.  ``NPY_DISABLE_CPU_FEATURES='X86_V4 AVX512_ICL AVX512_SPR'`` makes a processor without
+AVX-512 of one that has it, for numpy alone.
 """
 
 import argparse
 import ctypes
 import json
+import math
 import os
 from pathlib import Path
 import platform
@@ -80,10 +85,14 @@ def doubles(*values):
     return [ctypes.c_double(value) for value in values]
 
 
+def like(poses):
+    return Pose(*map(np.copy, poses))
+
+
 def runner_of_numpy(poses):
-    steps = iter(range(10**9))
+    steps, out = iter(range(10**9)), like(poses)
     return lambda: propagate(
-        poses, D_LEFT, D_RIGHT, GEOMETRY, SLIP, SLIP, seed=(1, next(steps)))
+        poses, D_LEFT, D_RIGHT, GEOMETRY, SLIP, SLIP, seed=(1, next(steps)), out=out)
 
 
 def runner_of_amcl_type(poses, directory):
@@ -100,24 +109,62 @@ def runner_of_amcl_type(poses, directory):
 def runner_of_same_maths(poses, directory):
     library = compiled('same_maths', directory)
     library.seed_same_maths(ctypes.c_uint64(1))
-    noise = step_noise(D_LEFT, D_RIGHT, GEOMETRY, SLIP, SLIP)
-    mean, double = 1.0 + SLIP.bias, 2.0 * GEOMETRY.separation
-    step = doubles(
-        mean * D_LEFT, mean * D_RIGHT, GEOMETRY.separation, double * noise.left,
-        double * noise.right, float(np.hypot(noise.lateral_left, noise.lateral_right)))
+    moved = like(poses)
+    step = doubles(*arguments_of_step())
 
     def run():
-        moved = [np.empty_like(column) for column in poses]
         library.same_maths(
             *map(address, poses), *map(address, moved), ctypes.c_size_t(len(poses.x)), *step)
-        return Pose(*moved)
+        return moved
     return run
 
 
+def runner_of_numba(poses):
+    """Return the loop of ``same_maths.c`` in Python, compiled; None without numba."""
+    try:
+        from numba import njit
+    except ImportError:
+        return None
+
+    @njit
+    def loop(x, y, theta, x_out, y_out, theta_out, generator, d_left, d_right, separation,
+             sigma_left, sigma_right, sigma_lateral):
+        for i in range(len(x)):
+            left = d_left + sigma_left * generator.standard_normal()
+            right = d_right + sigma_right * generator.standard_normal()
+            lateral = sigma_lateral * generator.standard_normal()
+            half = (right - left) / (2.0 * separation)
+            chord = 0.5 * (left + right) * (1.0 if half == 0.0 else math.sin(half) / half)
+            direction = theta[i] + half
+            cosine, sine = math.cos(direction), math.sin(direction)
+            x_out[i] = x[i] + chord * cosine - lateral * sine
+            y_out[i] = y[i] + chord * sine + lateral * cosine
+            theta_out[i] = direction + half
+
+    moved, generator = like(poses), np.random.Generator(np.random.SFC64(1))
+
+    def run():
+        loop(*poses, *moved, generator, *arguments_of_step())
+        return moved
+    return run
+
+
+def arguments_of_step():
+    noise = step_noise(D_LEFT, D_RIGHT, GEOMETRY, SLIP, SLIP)
+    mean, double = 1.0 + SLIP.bias, 2.0 * GEOMETRY.separation
+    return (mean * D_LEFT, mean * D_RIGHT, GEOMETRY.separation, double * noise.left,
+            double * noise.right, float(np.hypot(noise.lateral_left, noise.lateral_right)))
+
+
+def runner_of_copy(poses):
+    moved = like(poses)
+    return lambda: [np.copyto(*columns) for columns in zip(moved, poses)]
+
+
 def check_alike(poses, runners):
-    """Stop unless numpy and C move the poses alike: the mean and spread of the change."""
+    """Stop unless all loops move the poses alike: the mean and spread of the change."""
     moments = []
-    for name in ('numpy', 'same_maths'):
+    for name in runners.keys() & {'numpy', 'same_maths', 'numba'}:
         moved = runners[name]()
         half = 0.5 * (moved.theta - poses.theta)
         direction = poses.theta + half
@@ -126,8 +173,8 @@ def check_alike(poses, runners):
         across = y * np.cos(direction) - x * np.sin(direction)
         moments.append([f(v) for v in (half, along, across) for f in (np.mean, np.std)])
     spread = np.repeat([moments[0][1], moments[0][3], moments[0][5]], 2)
-    if np.any(np.abs(np.subtract(*moments)) > 8.0 * spread / np.sqrt(len(poses.x))):
-        raise SystemExit(f'numpy and C differ in mean and spread: {moments}')
+    if np.any(np.ptp(moments, axis=0) > 8.0 * spread / np.sqrt(len(poses.x))):
+        raise SystemExit(f'numpy and compiled loops differ in mean and spread: {moments}')
 
 
 def measured(runners, repeats):
@@ -135,9 +182,9 @@ def measured(runners, repeats):
     seconds = {name: [] for name in runners}
     for turn in range(repeats + 1):
         for name, run in runners.items():
-            begin = time.perf_counter()
+            begin = time.process_time()
             run()
-            elapsed = time.perf_counter() - begin
+            elapsed = time.process_time() - begin
             if turn:
                 seconds[name].append(elapsed)
     return seconds
@@ -180,7 +227,9 @@ def main():
             'numpy': runner_of_numpy(poses),
             'amcl_type': runner_of_amcl_type(poses, directory),
             'same_maths': runner_of_same_maths(poses, directory),
-            'copy': lambda: [column.copy() for column in poses]}
+            'copy': runner_of_copy(poses)}
+        if (numba := runner_of_numba(poses)):
+            runners['numba'] = numba
         check_alike(poses, runners)
         figures = summary(measured(runners, arguments.repeats), arguments.poses)
     met = all(figures[name]['ratio_to_numpy'] >= target for name, target in TARGETS.items())

@@ -12,7 +12,7 @@
 // See the License for the specific language governing permissions and
 // limitations under the License.
 
-// The step of diffdrive_kinematics.core.projection.propagate in scalar C: the same arithmetic and
+// The step of diffdrive_kinematics.core.noise.propagate in scalar C: the same arithmetic and
 // memory layout, sin and cos of libm, the generator SFC64, normals by the ziggurat of 256 layers.
 
 #include <math.h>

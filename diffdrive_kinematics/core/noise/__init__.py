@@ -23,7 +23,6 @@ from diffdrive_kinematics.core.noise.arc_moments import (
     arc_moments, propagated_moments, slip_on_arc)
 from diffdrive_kinematics.core.noise.body_covariance_along import body_covariance_along
 from diffdrive_kinematics.core.noise.body_slip import body_variances, BodySlip, NO_BODY_SLIP
-from diffdrive_kinematics.core.noise.box_muller import fill_normals
 from diffdrive_kinematics.core.noise.covariance_along import covariance_along
 from diffdrive_kinematics.core.noise.distributions import (
     check_distribution, DISTRIBUTIONS, draw_unit, sample_heading, unit_bound)
@@ -59,7 +58,7 @@ __all__ = [
     'SessionBelief', 'SessionError', 'SessionSpread', 'Stage', 'StepNoise', 'TwistCovariance',
     'WheelSlip', 'arc_moments', 'area', 'body_covariance_along', 'body_variances',
     'check_distribution', 'check_session_fraction', 'check_slip_model', 'covariance_along',
-    'draw_session', 'draw_unit', 'effective_ratio', 'fill_normals', 'followed', 'gaussian_moments',
+    'draw_session', 'draw_unit', 'effective_ratio', 'followed', 'gaussian_moments',
     'heading_moments', 'heading_variance', 'lateral_variances', 'moved_covariance',
     'outer_boundary', 'perimeter', 'planar_covariance', 'planar_pose', 'pose_jacobians',
     'projected', 'propagate', 'propagated_covariance', 'propagated_moments', 'reachable_set',

@@ -14,65 +14,40 @@
 
 """Noise and arcs of a chunk of poses, in place: its buffers stay in the processor's cache."""
 
-from typing import NamedTuple, Tuple
+from typing import Tuple
 
-from diffdrive_kinematics.core.kinematics import sinc, WheelGeometry
-from diffdrive_kinematics.core.noise.body_slip import BodyNoise
-from diffdrive_kinematics.core.noise.box_muller import fill_normals
+from diffdrive_kinematics.core.kinematics import WheelGeometry
+from diffdrive_kinematics.core.noise.columns import Columns
 from diffdrive_kinematics.core.noise.distributions import draw_unit
+from diffdrive_kinematics.core.noise.half_angles import fill_half_angles, fill_sincs
 from diffdrive_kinematics.core.noise.step_noise import StepNoise
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ['Columns', 'move_arcs', 'move_chunk', 'moved_arcs']
+__all__ = ['move_arcs', 'move_chunk']
 
 Array = NDArray[np.float64]
-
-TINY = 1e-300
-
-
-class Columns(NamedTuple):
-    """
-    Poses as three arrays.
-
-    Parameters
-    ----------
-    x, y : numpy.ndarray, shape (N,)
-        Positions [m].
-    theta : numpy.ndarray, shape (N,)
-        Headings [rad], not wrapped.
-
-    Examples
-    --------
-    >>> Columns(*np.zeros((3, 1000))).theta.shape
-    (1000,)
-
-    """
-
-    x: Array
-    y: Array
-    theta: Array
 
 
 def move_chunk(
         poses: Columns, moved: Columns, geometry: WheelGeometry, noise: StepNoise,
-        bits: 'np.random.SFC64', buffer: Array, distributions: Tuple[str, str]) -> None:
+        generator: 'np.random.Generator', work: Array, distributions: Tuple[str, str]) -> None:
     """
-    Move the poses of one chunk into ``moved``, in place on the work buffer.
+    Move the poses of one chunk into ``moved``, in place on the work space.
 
     Parameters
     ----------
     poses : Columns
         Where they are, shape (n,) each; not written.
     moved : Columns
-        Where they come to lie; overwritten.
+        Where they come to lie; overwritten.  A column may be that of ``poses``.
     geometry : WheelGeometry
         Distance of the wheels.
     noise : StepNoise
         Of the step.
-    bits : numpy.random.SFC64
+    generator : numpy.random.Generator
         Source of randomness.
-    buffer : numpy.ndarray, shape (6 n + 2,) or more, twice that where the body slips
+    work : numpy.ndarray, shape (6, n)
         Work space; overwritten.
     distributions : pair of str
         Of the slip of the wheels (left, right).
@@ -84,150 +59,102 @@ def move_chunk(
     >>> from diffdrive_kinematics.core.noise import step_noise, WheelSlip
     >>> moved, geometry = Columns(*np.zeros((3, 1))), WheelGeometry(0.5, 0.125)
     >>> noise = step_noise(1.0, 1.0, geometry, WheelSlip(), WheelSlip())
-    >>> move_chunk(Columns(*np.zeros((3, 1))), moved, geometry, noise, np.random.SFC64(1),
-    ...            np.empty(8), ('gaussian', 'gaussian'))
+    >>> move_chunk(Columns(*np.zeros((3, 1))), moved, geometry, noise, np.random.default_rng(1),
+    ...            np.empty((6, 1)), ('gaussian', 'gaussian'))
     >>> round(float(moved.x[0]), 9)
     1.0
 
     """
-    rows = len(moved.x)
-    left, right, lateral = _drawn(rows, noise, bits, buffer, distributions)
-    distance, scratch = buffer[-2 * rows:].reshape(2, rows)
+    left, right, lateral, distance, spare, _ = work
+    _draw_errors(noise, generator, work, distributions)
     np.add(left, right, out=distance)
     distance *= geometry.separation
     distance += noise.distance
     right -= left
     right += noise.half_turn
     if noise.body:
-        _disturb(noise.body, bits, buffer[3 * rows + 1:-2 * rows], distance, right, lateral)
-    move_arcs(poses, moved, right, distance, lateral, left, scratch)
+        for place, stddev in zip((distance, right, lateral), noise.body[:3]):
+            _draw(noise.body.distribution, generator, spare)
+            spare *= stddev
+            place += spare
+    move_arcs(poses, moved, right, distance, lateral, left, *work[4:])
 
 
-def _drawn(
-        rows: int, noise: StepNoise, bits: 'np.random.SFC64', buffer: Array,
-        distributions: Tuple[str, str]) -> Tuple[Array, Array, Array]:
-    """Return the errors: of the half turn by either wheel [rad], and to the side [m]."""
-    if distributions != ('gaussian', 'gaussian'):
-        generator = np.random.Generator(bits)
-        (left, side_left), (right, side_right) = (
-            np.asarray(draw_unit(name, generator, (2, rows))) for name in distributions)
-        return (left * noise.left, right * noise.right,
-                side_left * noise.lateral_left + side_right * noise.lateral_right)
-    pairs = (3 * rows + 1) // 2
-    drawn = buffer[:2 * pairs]
-    fill_normals(bits, drawn, buffer[-2 * pairs:].reshape(2, pairs))
-    left, right, lateral = drawn[:3 * rows].reshape(3, rows)
+def _draw_errors(
+        noise: StepNoise, generator: 'np.random.Generator', work: Array,
+        distributions: Tuple[str, str]) -> None:
+    """Write the errors: of the half turn by either wheel [rad], and to the side [m]."""
+    left, right, lateral, side, _, _ = work
+    if distributions == ('gaussian', 'gaussian'):
+        generator.standard_normal(out=work[:3])
+        lateral *= np.sqrt(noise.lateral_left**2 + noise.lateral_right**2)
+    else:
+        for name, error, to_side in zip(distributions, (left, right), (lateral, side)):
+            _draw(name, generator, error)
+            _draw(name, generator, to_side)
+        lateral *= noise.lateral_left
+        side *= noise.lateral_right
+        lateral += side
     left *= noise.left
     right *= noise.right
-    lateral *= np.sqrt(noise.lateral_left**2 + noise.lateral_right**2)
-    return left, right, lateral
 
 
-def _disturb(
-        body: BodyNoise, bits: 'np.random.SFC64', buffer: Array, distance: Array, half: Array,
-        lateral: Array) -> None:
-    """Add what the body slips to travel, half turn and displacement of every pose."""
-    rows = len(half)
-    pairs = (3 * rows + 1) // 2
-    drawn = buffer[:2 * pairs]
-    if body.distribution == 'gaussian':
-        fill_normals(bits, drawn, buffer[-2 * pairs:].reshape(2, pairs))
+def _draw(distribution: str, generator: 'np.random.Generator', draws: Array) -> None:
+    if distribution == 'gaussian':
+        generator.standard_normal(out=draws)
     else:
-        drawn[:3 * rows] = draw_unit(body.distribution, np.random.Generator(bits), 3 * rows)
-    for place, error, stddev in zip(
-            (distance, half, lateral), drawn[:3 * rows].reshape(3, rows), body[:3]):
-        error *= stddev
-        place += error
-
-
-def moved_arcs(
-        poses: Columns, half: Array, distance: Array, lateral: Array) -> Columns:
-    """
-    Return poses after arcs and then a displacement sideways: what :func:`move_arcs` computes.
-
-    Parameters
-    ----------
-    poses : Columns
-        Where they are, shape (n,) each.
-    half : numpy.ndarray, shape (n,)
-        Half the turn of each [rad].
-    distance, lateral : numpy.ndarray, shape (n,)
-        Length of each arc, and the displacement to its left [m].
-
-    Returns
-    -------
-    Columns
-        Where they come to lie.
-
-    Examples
-    --------
-    >>> moved = moved_arcs(Columns(*np.zeros((3, 1))), np.zeros(1), np.ones(1), np.ones(1))
-    >>> float(moved.x[0]), float(moved.y[0])
-    (1.0, 1.0)
-
-    """
-    phi, chord = poses.theta + half, distance * sinc(half)
-    return Columns(
-        poses.x + chord * np.cos(phi) - lateral * np.sin(phi),
-        poses.y + chord * np.sin(phi) + lateral * np.cos(phi), phi + half)
+        draws[:] = draw_unit(distribution, generator, len(draws))
 
 
 def move_arcs(
         poses: Columns, moved: Columns, half: Array, distance: Array, lateral: Array,
-        tangent: Array, weight: Array) -> None:
+        p: Array, q: Array, work: Array) -> None:
     """
     Move poses along arcs and then sideways; all but ``poses`` are overwritten.
 
-    The same as :func:`moved_arcs`, in place.  One tan, which numpy computes on several elements
-    at once, stands for sine and cosine: with t = tan(phi / 2) and w = 1 + t^2 they are 2 t / w
-    and (2 - w) / w.  tan stays finite, as no double is an odd multiple of pi / 2; ``TINY`` makes
-    sin h / h = 1 of h = 0.
+    ``phi = theta + h``, ``c = distance sin(h) / h``, ``x' = x + c cos phi - lateral sin phi``,
+    ``y' = y + c sin phi + lateral cos phi``, ``theta' = theta + 2 h``, each within some units of
+    the last place.
 
     Parameters
     ----------
     poses, moved : Columns
-        Where they are, and where they come to lie, shape (n,) each.
+        Where they are, and where they come to lie, shape (n,) each; may be the same columns.
     half : numpy.ndarray, shape (n,)
-        Half the turn of each [rad].
+        Half the turn h of each [rad].
     distance, lateral : numpy.ndarray, shape (n,)
         Length of each arc, and the displacement to its left [m].
-    tangent, weight : numpy.ndarray, shape (n,)
+    p, q, work : numpy.ndarray, shape (n,)
         Work space.
 
     Examples
     --------
     >>> moved = Columns(*np.empty((3, 1)))
     >>> move_arcs(Columns(*np.zeros((3, 1))), moved, np.zeros(1), np.ones(1), np.ones(1),
-    ...           *np.empty((2, 1)))
-    >>> round(float(moved.x[0]), 9), float(moved.y[0])
+    ...           *np.empty((3, 1)))
+    >>> round(float(moved.x[0]), 9), round(float(moved.y[0]), 9)
     (1.0, 1.0)
 
     """
     x, y, theta = moved
-    np.add(poses.theta, half, out=tangent)  # phi
-    np.add(tangent, half, out=theta)
-    tangent *= 0.5
-    np.tan(tangent, out=tangent)
-    half += TINY
+    np.add(poses.theta, half, out=p)  # phi
+    np.add(p, half, out=theta)
+    fill_sincs(half, q, work)
+    distance *= q
+    fill_half_angles(p, q, work)
+    np.multiply(p, q, out=work)
+    work *= 2.0  # sin phi, times the length p^2 + q^2
+    np.square(p, out=p)
+    np.square(q, out=q)
+    np.add(p, q, out=half)
+    q -= p  # cos phi, likewise
     distance /= half
-    half *= 0.5
-    np.tan(half, out=half)
-    distance *= half
-    half *= half
-    half += 1.0
-    np.multiply(tangent, tangent, out=weight)
-    weight += 1.0
-    half *= weight
-    distance *= 2.0
-    distance /= half  # chord / w
-    lateral /= weight
-    tangent *= 2.0
-    np.subtract(2.0, weight, out=weight)
-    np.multiply(distance, weight, out=half)
-    half += poses.x
-    np.multiply(lateral, tangent, out=x)
-    np.subtract(half, x, out=x)
-    distance *= tangent
-    lateral *= weight
+    lateral /= half
+    np.multiply(distance, q, out=p)
+    np.multiply(lateral, work, out=half)
+    p -= half
+    np.add(p, poses.x, out=x)
+    distance *= work
+    lateral *= q
     distance += lateral
     np.add(distance, poses.y, out=y)

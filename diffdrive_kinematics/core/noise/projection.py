@@ -27,11 +27,13 @@ drawn likewise (:func:`.body_noise`).
 
 from concurrent.futures import ThreadPoolExecutor
 import math
-from typing import Sequence, Tuple, Union
+from typing import Optional, Sequence, Tuple, Union
 
 from diffdrive_kinematics.core.kinematics import check_finite, Command, Pose, Scalar, WheelGeometry
-from diffdrive_kinematics.core.noise.arcs_in_place import Columns, move_chunk
+from diffdrive_kinematics.core.noise.arcs_in_place import move_chunk
 from diffdrive_kinematics.core.noise.body_slip import BodySlip, NO_BODY_SLIP
+from diffdrive_kinematics.core.noise.columns import (
+    checked_columns, checked_out, Columns, described)
 from diffdrive_kinematics.core.noise.noise import WheelSlip
 from diffdrive_kinematics.core.noise.session_errors import (
     draw_session, NO_SESSION, session_generator, SessionSpread, travel_in_session)
@@ -54,19 +56,20 @@ MOST_THREADS = 8
 def propagate(
         poses: Pose, d_left: Scalar, d_right: Scalar, geometry: WheelGeometry,
         left_slip: WheelSlip, right_slip: WheelSlip, *, seed: Seed, threads: int = 1,
-        body: BodySlip = NO_BODY_SLIP) -> Pose:
+        body: BodySlip = NO_BODY_SLIP, out: Optional[Pose] = None) -> Pose:
     """
     Return where N poses are after one noisy step of wheel travel.
 
-    The same arguments give the same result, bit for bit on the same machine, whatever the number
-    of threads: every chunk of poses has a random stream of its own.  Beyond the poses returned
-    the memory does not depend on N: 1 to 3 MB for each of up to 8 threads.  Headings may be of
-    any size and are not wrapped.
+    The same arguments and version of numpy give the same result, bit for bit, on any x86-64
+    processor and any number of threads: every chunk of poses has a random stream of its own.
+    Where the C library or the architecture is another, the last bit of normals beyond 3.65 may
+    differ, which numpy takes from log1p.  Beyond the poses returned the memory does not depend
+    on N: 1 to 3 MB for each of up to 8 threads.  Headings may be of any size and are not wrapped.
 
     Parameters
     ----------
     poses : Pose
-        Arrays of float64, shape (N,), each; not written.
+        Arrays of float64, shape (N,), each; not written, unless they are ``out``.
     d_left, d_right : float or numpy.ndarray, shape (N,)
         Nominal travel [m] of the wheels, of all poses or of each.
     geometry : WheelGeometry
@@ -80,17 +83,20 @@ def propagate(
         How many threads share the work.
     body : BodySlip
         What slips beside the wheels.
+    out : Pose, optional
+        Arrays of float64, shape (N,), to overwrite with the result.  Each may be that of
+        ``poses``, to move poses in place, and shares no memory with other arguments.
 
     Returns
     -------
     Pose
-        New arrays of float64, shape (N,).
+        New arrays of float64, shape (N,), or those of ``out``.
 
     Raises
     ------
     ValueError
-        If an array has another shape or type, a travel is not finite, or ``threads`` or the
-        seed is out of range.
+        If an array has another shape or type, a travel is not finite, ``threads`` or the seed
+        is out of range, or ``out`` cannot be written or shares memory.
 
     Examples
     --------
@@ -102,7 +108,7 @@ def propagate(
     '0.028 rad'
 
     """
-    columns = _checked_poses(poses)
+    columns = checked_columns('the poses', poses)
     rows = len(columns.theta)
     d_left = _checked_travel('d_left', d_left, rows)
     d_right = _checked_travel('d_right', d_right, rows)
@@ -110,20 +116,25 @@ def propagate(
         raise ValueError(f'threads is {threads!r}, expected 1 or more')
     numbers = _checked_seed(seed)
     entropy = (len(numbers), *numbers)  # the seeds 1, (1, 0) and (1, 0, 0) are not the same
-    moved = Columns(*(np.empty(rows) for _ in range(3)))
+    if out is None:
+        moved = Columns(*(np.empty(rows) for _ in range(3)))
+    else:
+        moved = checked_out(out, columns, (d_left, d_right))
     starts = range(0, rows, ROWS)
     workers = max(1, min(threads, len(starts), MOST_THREADS))
 
     def work_on(worker: int) -> None:
-        buffer = np.empty((2 if body else 1) * (6 * min(rows, ROWS) + 2))
+        buffer = np.empty(6 * min(rows, ROWS))
         for chunk in range(worker, len(starts), workers):
             part = slice(starts[chunk], starts[chunk] + ROWS)
             noise = step_noise(
                 _part(d_left, part), _part(d_right, part), geometry, left_slip, right_slip,
                 body)
             bits = np.random.SFC64(np.random.SeedSequence(entropy, spawn_key=(chunk,)))
-            move_chunk(_cut(columns, part), _cut(moved, part), geometry, noise, bits, buffer,
-                       (left_slip.distribution, right_slip.distribution))
+            place = _cut(moved, part)
+            work = buffer[:6 * len(place.x)].reshape(6, -1)
+            move_chunk(_cut(columns, part), place, geometry, noise, np.random.Generator(bits),
+                       work, (left_slip.distribution, right_slip.distribution))
 
     if workers == 1:
         work_on(0)
@@ -204,29 +215,12 @@ def _cut(columns: Columns, part: slice) -> Columns:
     return Columns(*(column[part] for column in columns))
 
 
-def _checked_poses(poses: Pose) -> Columns:
-    shape = np.shape(poses.theta)
-    for name, column in zip(Pose._fields, poses):
-        if not (isinstance(column, np.ndarray) and column.dtype == np.float64
-                and column.ndim == 1 and column.shape == shape):
-            raise ValueError(
-                f'{name} of the poses is {_described(column)}, expected an array of float64 of '
-                'shape (N,), the same for x, y and theta')
-    return Columns(*poses)  # type: ignore[arg-type]
-
-
-def _described(value: object) -> str:
-    if isinstance(value, np.ndarray):
-        return f'an array of {value.dtype} of shape {value.shape}'
-    return repr(value)
-
-
 def _checked_travel(name: str, travel: Scalar, rows: int) -> Scalar:
     if not isinstance(travel, np.ndarray):
         return check_finite(name, travel)
     if travel.shape != (rows,) or travel.dtype != np.float64:
         raise ValueError(
-            f'{name} is {_described(travel)}, expected a number or an array of float64 of shape '
+            f'{name} is {described(travel)}, expected a number or an array of float64 of shape '
             f'({rows},)')
     if not (math.isfinite(travel.min(initial=0.0)) and math.isfinite(travel.max(initial=0.0))):
         raise ValueError(f'{name} has elements that are not finite, expected finite numbers')
