@@ -12,35 +12,30 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Topics against closed forms: controller and base in separate processes over DDS."""
+"""Topics against closed forms: controller and base, in one process and in two over DDS."""
 
 import math
 
 from diffdrive_kinematics.core.kinematics import (
-    advance, Pose, pose_change_from_travel, travel_from_angles, wheel_rates_from_twist,
-    WheelGeometry)
-from geometry_msgs.msg import Twist, TwistStamped
+    advance, Pose, wheel_rates_from_twist, WheelGeometry)
+from geometry_msgs.msg import TwistStamped
 from nav_msgs.msg import Odometry
 import pytest
-from sensor_msgs.msg import JointState
 from support.graph import KHEPERA, pose_of, stamp_ns, twist, twist_stamped
+from support.relay import composed
+from support.stepped import messages, nodes
 
 GEOMETRY = WheelGeometry(KHEPERA['wheel_separation'], KHEPERA['wheel_radius'])
 COMMANDS = [(0.1, 0.0), (0.05, 1.5), (-0.08, 0.7), (0.0, -2.0), (0.12, 1e-7), (0.0, 0.0)]
 RATES = [(base, controller) for base in (10.0, 50.0, 200.0) for controller in (10.0, 100.0)]
 
 
-def start_stack(
-        graph, *, base_rate=50.0, controller_rate=50.0, command_timeout=0.5, **controller):
-    graph.start('diff_drive_controller', {
-        **KHEPERA, 'publish_rate': controller_rate, 'cmd_vel_timeout': 0.0, **controller})
-    graph.start('simulated_base', {
-        **KHEPERA, 'publish_rate': base_rate, 'command_timeout': command_timeout,
-        'enable_odom_tf': False})
-    odometry = graph.collect(Odometry, 'odom')
-    rates = graph.collect(JointState, 'wheel_rates')
-    graph.wait_for(lambda: odometry and rates, 'odometry and wheel rates')
-    return odometry, rates
+def start_stack(diffdrive, *, base_rate=50.0, controller_rate=50.0, **controller):
+    return diffdrive(nodes(
+        'diff_drive_controller', 'simulated_base', simulated_base={'publish_rate': base_rate},
+        diff_drive_controller={
+            'publish_rate': controller_rate, 'cmd_vel_timeout': 0.0, **controller}),
+        params=KHEPERA, clock_step=0.005)
 
 
 def at_rest_after(odometry, time_ns):
@@ -56,44 +51,45 @@ def assert_same_pose(message, expected):
     assert math.remainder(yaw - expected.theta, math.tau) == pytest.approx(0.0, abs=1e-9)
 
 
+@pytest.mark.ros
 @pytest.mark.parametrize('v, w', [(0.1, 0.0), (-0.2, 0.0), (0.0, 3.0), (0.07, -1.3), (1e-9, 1e3)])
-def test_a_twist_gives_the_wheel_rates_of_the_closed_form(graph, v, w):
-    _, rates = start_stack(graph)
-    commands = graph.publisher(Twist, 'cmd_vel')
-    commands.publish(twist(v, w))
-    moving = graph.wait_for(
-        lambda: [message for message in rates if any(message.velocity)], 'wheel rates')[0]
+def test_a_twist_gives_the_wheel_rates_of_the_closed_form(diffdrive, v, w):
+    robot = start_stack(diffdrive)
+    robot.publish('cmd_vel', twist(v, w))
+    moving = messages(robot, 'wheel_rates')[-1]
     half = KHEPERA['wheel_separation'] / 2.0
     expected = [(v - w * half) / KHEPERA['wheel_radius'], (v + w * half) / KHEPERA['wheel_radius']]
     assert list(moving.name) == ['left_wheel_joint', 'right_wheel_joint']
     assert list(moving.velocity) == pytest.approx(expected, rel=1e-12)
 
 
+@pytest.mark.ros
 @pytest.mark.parametrize('base_rate, controller_rate', RATES)
 def test_stamped_commands_compose_exactly_at_the_stamps_that_were_sent(
-        graph, base_rate, controller_rate):
-    odometry, _ = start_stack(
-        graph, base_rate=base_rate, controller_rate=controller_rate,
+        diffdrive, base_rate, controller_rate):
+    robot = start_stack(
+        diffdrive, base_rate=base_rate, controller_rate=controller_rate,
         enable_stamped_cmd_vel=True, stamp_tolerance=5.0)
-    commands = graph.publisher(TwistStamped, 'cmd_vel')
-    expected, held, since = Pose(0.0, 0.0, 0.0), (0.0, 0.0), None
-    for command in COMMANDS:
-        now_ns = graph.now_ns()
-        commands.publish(twist_stamped(now_ns, *command))
-        if since:
-            seconds = (now_ns - since) / 1e9
-            expected = advance(expected, held[0] * seconds, held[1] * seconds)
-        held, since = command, now_ns
-        until = now_ns + 120_000_000
-        graph.wait_for(lambda: stamp_ns(odometry[-1]) > until, 'odometry to go on')
-    final = graph.wait_for(lambda: at_rest_after(odometry, since), 'the robot to stand')[0]
-    assert_same_pose(final, expected)
+    expected, held, since = Pose(0.0, 0.0, 0.0), (0.0, 0.0), 0
+    for number, command in enumerate(COMMANDS):
+        robot.advance(0.12)
+        stamp = round(robot.time * 1e9) - 1_234_567 * number  # between two steps of the clock
+        robot.publish('cmd_vel', twist_stamped(stamp, *command))
+        seconds = (stamp - since) / 1e9
+        expected = advance(expected, held[0] * seconds, held[1] * seconds)
+        held, since = command, stamp
+    robot.advance(0.12)
+    assert_same_pose(at_rest_after(messages(robot, 'odom'), since)[-1], expected)
 
 
 @pytest.mark.quick
 def test_stamped_commands_that_come_late_and_all_at_once_compose_exactly_too(graph):
-    odometry, _ = start_stack(
-        graph, command_timeout=60.0, enable_stamped_cmd_vel=True, stamp_tolerance=60.0)
+    graph.start('diff_drive_controller', {
+        **KHEPERA, 'cmd_vel_timeout': 0.0, 'enable_stamped_cmd_vel': True,
+        'stamp_tolerance': 60.0})
+    graph.start('simulated_base', {**KHEPERA, 'command_timeout': 60.0, 'enable_odom_tf': False})
+    odometry = graph.collect(Odometry, 'odom')
+    graph.wait_for(lambda: odometry, 'odometry')
     commands = graph.publisher(TwistStamped, 'cmd_vel')
     first = stamp_ns(odometry[0])
     graph.wait_for(lambda: stamp_ns(odometry[-1]) > first + 700_000_000, 'some time to pass')
@@ -109,24 +105,15 @@ def test_stamped_commands_that_come_late_and_all_at_once_compose_exactly_too(gra
     assert_same_pose(final, expected)
 
 
+@pytest.mark.ros
 @pytest.mark.parametrize('base_rate, controller_rate', RATES)
 def test_plain_twists_compose_exactly_at_the_stamps_in_wheel_rates(
-        graph, base_rate, controller_rate):
-    odometry, rates = start_stack(graph, base_rate=base_rate, controller_rate=controller_rate)
-    commands = graph.publisher(Twist, 'cmd_vel')
+        diffdrive, base_rate, controller_rate):
+    robot = start_stack(diffdrive, base_rate=base_rate, controller_rate=controller_rate)
     for command in COMMANDS:
-        heard = len(rates)
-        commands.publish(twist(*command))
-        expected_rates = wheel_rates_from_twist(GEOMETRY, *command)
-        told = graph.wait_for(
-            lambda: [message for message in rates[heard:]
-                     if tuple(message.velocity) == expected_rates], "the command's rates")[-1]
-        until = stamp_ns(told) + 120_000_000
-        graph.wait_for(lambda: stamp_ns(odometry[-1]) > until, 'odometry to go on')
-    final = at_rest_after(odometry, stamp_ns(told))[-1]
-    expected = Pose(0.0, 0.0, 0.0)
-    for before, after in zip(rates, rates[1:]):
-        seconds = (stamp_ns(after) - stamp_ns(before)) / 1e9
-        travel = travel_from_angles(GEOMETRY, *(rate * seconds for rate in before.velocity))
-        expected = advance(expected, *pose_change_from_travel(GEOMETRY, *travel))
-    assert_same_pose(final, expected)
+        robot.publish('cmd_vel', twist(*command))
+        rates = messages(robot, 'wheel_rates')
+        assert tuple(rates[-1].velocity) == wheel_rates_from_twist(GEOMETRY, *command)
+        robot.advance(0.125)
+    final = at_rest_after(messages(robot, 'odom'), stamp_ns(rates[-1]))[-1]
+    assert_same_pose(final, composed(GEOMETRY, rates))

@@ -24,24 +24,26 @@ the arc, whose heading grows evenly, by at most S T / 2.  So the two differ by a
 
 from diffdrive_kinematics.core.kinematics import (
     advance, Pose, pose_change_from_travel, travel_from_angles)
-from sensor_msgs.msg import JointState
 from support.graph import stamp_ns
+from support.stepped import messages
 
 
 class Relay:
     """Hands on wheel motion as ``link`` says: a message in, a list of messages out."""
 
-    def __init__(self, graph, link, source='wheel_rates', target='relayed', listeners=1):
+    def __init__(self, robot, link, source='wheel_rates', target='relayed'):
         self.came, self.went = [], []
-        self._link = link
-        self._publisher = graph.publisher(JointState, target, listeners)
-        graph.collect(JointState, source, self._pass)
+        self._robot, self._link, self._source, self._target = robot, link, source, target
 
-    def _pass(self, message):
-        self.came.append(message)
-        for out in self._link(message):
-            self.went.append(out)
-            self._publisher.publish(out)
+    def advance(self, seconds, every):
+        """Let time pass, and hand on every so many seconds what has come."""
+        for _ in range(round(seconds / every)):
+            self._robot.advance(every)
+            for message in messages(self._robot, self._source)[len(self.came):]:
+                self.came.append(message)
+                for out in self._link(message):
+                    self.went.append(out)
+                    self._robot.publish(self._target, out)
 
 
 def arcs(geometry, messages):
