@@ -17,12 +17,15 @@
 import math
 import signal
 
+from diffdrive_kinematics.nodes.diffdrive_sim import node_class
+from diffdrive_kinematics.ros.parameters.configuration_error import ConfigurationError
 from geometry_msgs.msg import Twist, TwistStamped
 import pytest
 from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
 from rcl_interfaces.srv import GetParameters, SetParameters, SetParametersAtomically
 from sensor_msgs.msg import JointState
 from support.graph import KHEPERA, twist, twist_stamped
+from support.inside import initialised
 
 CONTROLLER = 'diff_drive_controller'
 
@@ -60,7 +63,7 @@ def test_a_command_that_is_not_finite_stops_the_robot_and_is_reported(graph, v, 
     assert all(map(math.isfinite, (value for message in rates for value in message.velocity)))
 
 
-@pytest.mark.parametrize('executable, parameters, words', [
+REFUSED = [  # executable, parameters, words of the refusal
     (CONTROLLER, {}, ['wheel_separation is not set', 'wheel_radius is not set', '[m]']),
     (CONTROLLER, {**KHEPERA, 'wheel_radius': -0.1}, ['wheel_radius is -0.1', 'above 0']),
     (CONTROLLER, {**KHEPERA, 'wheel_radius': 0}, ['wheel_radius is 0.0', 'above 0']),
@@ -84,14 +87,26 @@ def test_a_command_that_is_not_finite_stops_the_robot_and_is_reported(graph, v, 
     ('command_sequence', {'commands': [0.1, 0.2]}, ['commands has 2 numbers', 'three']),
     ('command_sequence', {'commands': [0.1, 0.0, 0.0]}, ['last 0 s', 'above 0']),
     ('command_sequence', {'recording': '/no/such.csv'}, ["'/no/such.csv'", 'cannot be read']),
-])
+]
+
+
+@pytest.mark.parametrize('executable, parameters, words', REFUSED)
 def test_a_bad_parameter_at_start_is_refused_by_name_value_and_rule(
+        executable, parameters, words):
+    with initialised(parameters), pytest.raises(ConfigurationError) as refused:
+        node_class(executable)(executable)
+    for word in ('refuses to start', *words):
+        assert word in str(refused.value)
+
+
+@pytest.mark.parametrize(
+    'executable, parameters, words', {each[0]: each for each in REFUSED}.values())
+def test_a_process_that_is_refused_its_parameters_ends_with_status_2_and_no_traceback(
         graph, executable, parameters, words):
     process = graph.start(executable, parameters)
     assert process.wait() == 2
     assert 'Traceback' not in process.output
-    assert 'refuses to start' in process.output
-    for word in words:
+    for word in ('refuses to start', *words):
         assert word in process.output
 
 

@@ -16,23 +16,20 @@
 
 import math
 
+from diffdrive_kinematics.nodes.simulated_base import SimulatedBase
 from nav_msgs.msg import Odometry
 import pytest
-from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
-from rcl_interfaces.srv import SetParameters
+from rclpy.parameter import Parameter
 from sensor_msgs.msg import JointState
 from support.graph import JOINTS, KHEPERA, set_stamp, stamp_ns
+from support.inside import inside, START_NS
+from support.stepped import messages, nodes
 
 
 def wheel_rates(time_ns, left, right):
     message = JointState(name=JOINTS, velocity=[left, right])
     set_stamp(message, time_ns)
     return message
-
-
-def alone(node):
-    """Return the composition of one node."""
-    return {'/**/diffdrive_sim': {'nodes': [node]}}
 
 
 @pytest.mark.quick
@@ -52,33 +49,25 @@ def test_odometry_has_its_frames_initial_pose_covariances_and_twist_in_the_robot
     assert list(message.pose.covariance[::7]) == [1.0, 2.0, 3.0, 4.0, 5.0, 6.0]
 
 
-def test_joint_states_carry_accumulated_positions_and_can_be_switched_off(graph):
-    graph.start('simulated_base', {**KHEPERA, 'enable_odom_tf': False, 'command_timeout': 0.0})
-    graph.start('simulated_base', {
-        **KHEPERA, 'odom_topic': 'ground_truth', 'joint_states_topic': '',
-        'enable_odom_tf': False}, '-r', '__node:=ground_truth')
-    joints = graph.collect(JointState, 'joint_states')
-    truth = graph.collect(Odometry, 'ground_truth')
-    wheels = graph.publisher(JointState, 'wheel_rates', listeners=2)
-    start = graph.now_ns()
-
-    def rolling():
-        """Repeat the rates: a first message that is late is taken for another clock's."""
-        wheels.publish(wheel_rates(graph.now_ns(), 2.0, -1.0))
-        seconds = (stamp_ns(joints[-1]) - start) / 1e9 if joints else 0.0
-        return seconds > 0.05 and list(joints[-1].position) == pytest.approx(
-            [2.0 * seconds, -seconds], rel=1e-12)
-
-    wheels.publish(wheel_rates(start, 2.0, -1.0))
-    graph.wait_for(rolling, 'rolling')
+@pytest.mark.ros
+def test_joint_states_carry_accumulated_positions_and_can_be_switched_off(diffdrive):
+    robot = diffdrive(
+        nodes('simulated_base', 'simulated_base:ground_truth', ground_truth={
+            'odom_topic': 'ground_truth', 'joint_states_topic': ''}),
+        params={**KHEPERA, 'enable_odom_tf': False, 'command_timeout': 0.0})
+    robot.advance(0.1)
+    robot.publish('wheel_rates', wheel_rates(100_000_000, 2.0, -1.0))
+    robot.advance(1.0)
+    joints = messages(robot, 'joint_states')
+    seconds = stamp_ns(joints[-1]) / 1e9 - 0.1
+    assert list(joints[-1].position) == pytest.approx([2.0 * seconds, -seconds], rel=1e-12)
     assert list(joints[-1].velocity) == [2.0, -1.0]
-    graph.wait_for(lambda: truth, 'ground truth')
-    assert graph.node.count_publishers('joint_states') == 1
+    assert len(joints) == len(robot.history('ground_truth'))  # of one base, not of two
 
 
 @pytest.mark.ros
 def test_the_wheels_stop_exactly_at_the_last_stamp_plus_the_timeout(diffdrive):
-    robot = diffdrive(alone('simulated_base'), params={
+    robot = diffdrive(nodes('simulated_base'), params={
         **KHEPERA, 'enable_odom_tf': False, 'command_timeout': 0.3})
     robot.advance(0.1)
     robot.publish('wheel_rates', wheel_rates(100_000_000, 2.0, 4.0))
@@ -90,7 +79,7 @@ def test_the_wheels_stop_exactly_at_the_last_stamp_plus_the_timeout(diffdrive):
 
 @pytest.mark.ros
 def test_rates_come_as_a_float64_multi_array_too_where_the_yaml_asks_for_it(diffdrive):
-    robot = diffdrive(alone('diff_drive_controller'), params={
+    robot = diffdrive(nodes('diff_drive_controller'), params={
         **KHEPERA, 'left_wheel_names': ['fl', 'rl'], 'right_wheel_names': ['fr', 'rr'],
         'wheel_commands_topic': 'wheels/commands', 'cmd_vel_timeout': 0.0})
     robot.drive(0.021, 0.5, 0.1)
@@ -102,7 +91,7 @@ def test_rates_come_as_a_float64_multi_array_too_where_the_yaml_asks_for_it(diff
 
 @pytest.mark.ros
 def test_the_drive_brakes_through_the_limiter_after_the_timeout(diffdrive):
-    robot = diffdrive(alone('diff_drive_controller'), params={
+    robot = diffdrive(nodes('diff_drive_controller'), params={
         **KHEPERA, 'cmd_vel_timeout': 0.2, 'publish_limited_velocity': True, 'update_rate': 50.0,
         'linear.x.max_acceleration': 2.0, 'linear.x.max_deceleration': -0.5})
     robot.drive(0.1, 0.0, 0.3)
@@ -118,7 +107,7 @@ def test_the_drive_brakes_through_the_limiter_after_the_timeout(diffdrive):
 
 @pytest.mark.ros
 def test_both_wheels_are_scaled_by_one_factor_at_the_wheel_rate_bound(diffdrive):
-    robot = diffdrive(alone('diff_drive_controller'), params={
+    robot = diffdrive(nodes('diff_drive_controller'), params={
         **KHEPERA, 'max_wheel_rate': 5.0, 'cmd_vel_timeout': 0.0})
     robot.drive(0.42, 4.0, 0.1)
     turn = 4.0 * 0.0885 / 2.0 / 0.021
@@ -127,24 +116,23 @@ def test_both_wheels_are_scaled_by_one_factor_at_the_wheel_rate_bound(diffdrive)
     assert left / right == pytest.approx((20.0 - turn) / (20.0 + turn), rel=1e-12)
 
 
-def test_a_change_of_geometry_and_of_the_rate_at_run_time_keeps_the_pose(graph):
-    graph.start('simulated_base', {**KHEPERA, 'enable_odom_tf': False})
-    odometry = graph.collect(Odometry, 'odom')
-    wheels = graph.publisher(JointState, 'wheel_rates')
-    start = graph.now_ns() - 500_000_000
-    message = JointState(name=JOINTS, position=[0.0, 0.0])
-    for offset, angle in ((0, 0.0), (100_000_000, 1.0)):
-        set_stamp(message, start + offset)
-        message.position = [angle, angle]
-        wheels.publish(message)
-    graph.wait_for(lambda: odometry and odometry[-1].pose.pose.position.x > 0.0, 'motion')
-    graph.call(SetParameters, 'simulated_base/set_parameters', SetParameters.Request(parameters=[
-        Parameter(name=name, value=ParameterValue(
-            type=ParameterType.PARAMETER_DOUBLE, double_value=value))
-        for name, value in (('wheel_radius', 0.042), ('publish_rate', 200.0))]))
-    set_stamp(message, graph.now_ns())
-    message.position = [2.0, 2.0]
-    wheels.publish(message)
-    moved = graph.wait_for(
-        lambda: odometry[-1].pose.pose.position.x > 0.05 and odometry[-1], 'motion')
-    assert moved.pose.pose.position.x == pytest.approx(0.021 + 0.042, abs=1e-12)
+def test_a_change_of_geometry_and_of_the_rate_at_run_time_keeps_the_pose():
+    with inside(SimulatedBase, {**KHEPERA, 'enable_odom_tf': False}) as held:
+        def roll(offset_ns, angle):
+            message = JointState(name=JOINTS, position=[angle, angle])
+            set_stamp(message, START_NS + offset_ns)
+            held.advance_to(START_NS + offset_ns)
+            held.hear('/wheel_rates', message)
+
+        roll(0, 0.0)
+        roll(100_000_000, 1.0)
+        before = len(held.said['/odom'])
+        held.node.set_parameters([
+            Parameter(name, value=value)
+            for name, value in (('wheel_radius', 0.042), ('publish_rate', 200.0))])
+        for step in range(1, 21):
+            held.advance_to(START_NS + 100_000_000 + step * 5_000_000)
+        assert len(held.said['/odom']) - before >= 20
+        assert held.node.reading().pose.x == pytest.approx(0.021, abs=1e-12)
+        roll(600_000_000, 2.0)
+        assert held.node.reading().pose.x == pytest.approx(0.021 + 0.042, abs=1e-12)

@@ -18,7 +18,6 @@ from itertools import count, cycle
 import math
 from pathlib import Path
 import random
-import signal
 import statistics
 import time
 

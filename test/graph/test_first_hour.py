@@ -58,7 +58,7 @@ def test_a_demo_that_is_interrupted_shows_its_table_of_what_it_has_driven(graph,
     assert demo.stop(number) == 0, demo.output
     assert '24.0 of 24.0 s' not in demo.output
     row = next(line for line in demo.output.splitlines() if line.startswith('belief (/sim'))
-    assert 0.2 < float(row.split()[2]) < 0.4
+    assert 0.2 < float(row.split()[2]) <= 0.4  # at the end of the first side it turns
 
 
 def test_a_terminal_sees_where_the_robot_is_and_a_file_does_not(graph):

@@ -95,6 +95,7 @@ def test_a_robot_of_another_package_drives_as_its_file_means_it(graph, tmp_path,
             assert list(covariance.covariance[::7]) == values[f'{key}_covariance_diagonal']
     graph.wait_for(lambda: not any(rates[-1].velocity), 'rest after cmd_vel_timeout')
     if values.get('publish_cmd', values.get('publish_limited_velocity')):
-        assert any(each.twist.linear.x == pytest.approx(v, rel=1e-9) for each in limited)
+        graph.wait_for(lambda: any(each.twist.linear.x == pytest.approx(v, rel=1e-9)
+                                   for each in limited), 'the limited command')
     else:
         assert not limited

@@ -15,102 +15,80 @@
 """A real robot's recorded motion through the nodes: as encoders, and as commands."""
 
 import csv
+import math
 
 from diffdrive_kinematics.core.kinematics import wrap_angle
-from nav_msgs.msg import Odometry
 import pytest
 from sensor_msgs.msg import JointState
-from support.graph import JOINTS, pose_of, set_stamp, stamp_ns
+from support.graph import JOINTS, set_stamp
 from support.recorded import (
     end_error, implied_commands, load, offline_pose, RADIUS, RUNS, SEPARATION, wheel_positions)
+from support.stepped import nodes
+
+pytestmark = pytest.mark.ros
 
 ROBOT = {'wheel_radius': RADIUS, 'wheel_separation': SEPARATION}
-BATCH = 8  # below the depth of the base's queue
+STEP_S = 0.02  # of the clock
 
 
-def standing(graph, messages, after):
-    """Return the last message of a robot that stands, after a time."""
-    return graph.wait_for(lambda: [
-        message for message in messages if stamp_ns(message) > after
-        and message.twist.twist.linear.x == message.twist.twist.angular.z == 0.0],
-        'the robot to stand')[-1]
+def steps_to(seconds, robot):
+    """Let time pass until it is so late, at the next step of the clock."""
+    steps = math.ceil((seconds - robot.time) / STEP_S)
+    if steps > 0:
+        robot.advance(steps * STEP_S)
 
 
-def replay_encoders(graph, rows):
-    """Play encoder positions as joint_states into a base; return its odometry at the end."""
-    joints = graph.publisher(JointState, 'joint_states')
-    rolled = graph.collect(JointState, 'rolled')
-    odometry = graph.collect(Odometry, 'odom')
-    start = graph.now_ns() - 100_000_000_000
-    positions = wheel_positions(rows)
+def replay_encoders(diffdrive, rows):
+    """Play encoder positions as joint_states into a base; return its pose at the end."""
+    robot = diffdrive(nodes('simulated_base'), params={
+        **ROBOT, 'wheel_motion_topic': 'joint_states', 'joint_states_topic': 'rolled',
+        'enable_odom_tf': False, 'extrapolate_positions': False}, clock_step=STEP_S)
     message = JointState(name=JOINTS)
-    for number, (row, position) in enumerate(zip(rows, positions)):
-        set_stamp(message, start + round(row['time_sec'] * 1e9))
+    for row, position in zip(rows, wheel_positions(rows)):
+        steps_to(row['time_sec'], robot)
+        set_stamp(message, round(row['time_sec'] * 1e9))
         message.position = list(position)
-        joints.publish(message)
-        if number % BATCH == 0 or number == len(rows) - 1:
-            expected = [angle - first for angle, first in zip(position, positions[0])]
-            graph.wait_for(
-                lambda: rolled and list(rolled[-1].position) == pytest.approx(expected, abs=1e-9),
-                f'the base to have read row {number}')
-    last = stamp_ns(rolled[-1])
-    return graph.wait_for(
-        lambda: [pose_of(message) for message in odometry if stamp_ns(message) >= last],
-        'odometry')[-1]
+        robot.publish('joint_states', message)
+    pose = robot.odom
+    robot.close()
+    return pose
 
 
-def test_recorded_encoders_give_the_odometry_that_offline_integration_gives(graph):
+def test_recorded_encoders_give_the_odometry_that_offline_integration_gives(diffdrive):
     errors = []
     assert len(RUNS) == 6
     for run in RUNS:
         rows = load(run)
-        base = graph.start('simulated_base', {
-            **ROBOT, 'wheel_motion_topic': 'joint_states', 'joint_states_topic': 'rolled',
-            'publish_rate': 1000.0, 'enable_odom_tf': False, 'extrapolate_positions': False})
-        pose = replay_encoders(graph, rows)
+        pose = replay_encoders(diffdrive, rows)
         expected = offline_pose(rows)
         assert pose.x == pytest.approx(expected.x, abs=1e-9)
         assert pose.y == pytest.approx(expected.y, abs=1e-9)
-        assert wrap_angle(pose.theta - expected.theta) == pytest.approx(0.0, abs=1e-9)
+        assert wrap_angle(pose.yaw - expected.theta) == pytest.approx(0.0, abs=1e-9)
         errors.append(end_error(pose, rows))
-        assert base.stop() == 0
-        for subscription in list(graph.node.subscriptions):
-            graph.node.destroy_subscription(subscription)
-        for publisher in list(graph.node.publishers):
-            if publisher.topic_name == '/joint_states':
-                graph.node.destroy_publisher(publisher)
     assert sum(errors) / len(errors) == pytest.approx(0.064, abs=0.002)
 
 
-@pytest.mark.timeout(600)
-def test_recorded_commands_through_four_processes_end_where_the_offline_arcs_end(
-        graph, tmp_path):
+def test_recorded_commands_through_four_nodes_end_where_the_offline_arcs_end(
+        diffdrive, tmp_path):
     rows = load(RUNS[0])
     recording = tmp_path / 'drive.csv'
     with recording.open('w', newline='') as file:
         writer = csv.writer(file)
         writer.writerow(('time_sec', 'linear_x', 'angular_z'))
         writer.writerows(implied_commands(rows))
-    graph.start('diff_drive_controller', {
-        **ROBOT, 'enable_stamped_cmd_vel': True, 'stamp_tolerance': 5.0, 'cmd_vel_timeout': 5.0})
-    graph.start('wheel_noise', ROBOT)
-    graph.start('simulated_base', {**ROBOT, 'enable_odom_tf': False})
-    graph.start('simulated_base', {
-        **ROBOT, 'wheel_motion_topic': 'noisy_wheel_rates', 'odom_topic': 'ground_truth',
-        'joint_states_topic': '', 'enable_odom_tf': False}, '-r', '__node:=ground_truth')
-    odometry = graph.collect(Odometry, 'odom')
-    truth = graph.collect(Odometry, 'ground_truth')
-    sequence = graph.start('command_sequence', {
-        'recording': str(recording), 'enable_stamped_cmd_vel': True,
-        'wait_for_topics': ['odom', 'ground_truth']})
-    graph.wait_for(lambda: not sequence.running, 'the recording to end', timeout=300.0)
-    assert sequence.wait() == 0, sequence.output
-    done = graph.now_ns()
+    robot = diffdrive(
+        nodes('command_sequence', 'diff_drive_controller', 'wheel_noise', 'simulated_base',
+              'simulated_base:ground_truth', command_sequence={'recording': str(recording)},
+              ground_truth={'wheel_motion_topic': 'noisy_wheel_rates', 'joint_states_topic': '',
+                            'odom_topic': 'ground_truth'}),
+        params={**ROBOT, 'enable_stamped_cmd_vel': True, 'stamp_tolerance': 5.0,
+                'cmd_vel_timeout': 5.0, 'enable_odom_tf': False}, clock_step=STEP_S)
+    steps_to(rows[-1]['time_sec'] + 1.0, robot)
     expected = offline_pose(rows)
     # Without noise the truth is the belief, but for commands that come later than a repeat of
     # the one before: the noise node cannot take back what it has put out, only make up for it.
-    for messages, tolerance in ((odometry, 1e-6), (truth, 1e-4)):
-        pose = pose_of(standing(graph, messages, done))
-        assert pose.x == pytest.approx(expected.x, abs=tolerance)
-        assert pose.y == pytest.approx(expected.y, abs=tolerance)
-        assert wrap_angle(pose.theta - expected.theta) == pytest.approx(0.0, abs=1e-6)
+    for state, tolerance in ((robot.odom, 1e-6), (robot.truth, 1e-4)):
+        assert state.speed == state.yaw_rate == 0.0
+        assert state.x == pytest.approx(expected.x, abs=tolerance)
+        assert state.y == pytest.approx(expected.y, abs=tolerance)
+        assert wrap_angle(state.yaw - expected.theta) == pytest.approx(0.0, abs=1e-6)

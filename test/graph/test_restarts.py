@@ -16,16 +16,16 @@
 
 from pathlib import Path
 import signal
-import time
 
 from diffdrive_kinematics.nodes.simulated_base import SimulatedBase
-from geometry_msgs.msg import Twist
+from geometry_msgs.msg import Twist, TwistStamped
 from nav_msgs.msg import Odometry
 import pytest
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState
 from support.graph import JOINTS, KHEPERA, set_stamp, stamp_ns, twist, x_of
 from support.inside import inside, START_NS
+from support.stepped import messages, nodes
 
 SPEED = 0.2  # [m/s]
 TIMEOUT_S = 0.5  # command_timeout of the base
@@ -51,10 +51,10 @@ def assert_no_jump(odometry):
     Rates that come late make up for a base that stood; those that come earlier than the base
     thought, or with a stop, take back no more than it went on by itself, which is its timeout.
     """
-    began, furthest = stamp_ns(odometry[0]), 0.0
+    began, start, furthest = stamp_ns(odometry[0]), x_of(odometry[:1]), 0.0
     assert len(odometry) > 20
     for message in odometry:
-        x = message.pose.pose.position.x
+        x = message.pose.pose.position.x - start
         assert x <= SPEED * (stamp_ns(message) - began) / 1e9 + 1e-9
         furthest = max(furthest, x)
         assert x > furthest - SPEED * TIMEOUT_S - 1e-9
@@ -73,72 +73,62 @@ def test_a_controller_that_is_restarted_mid_drive_causes_no_jump(graph, number):
     assert_no_jump(odometry)
 
 
-def test_a_noise_node_that_is_restarted_mid_drive_causes_no_jump_of_the_truth(graph):
-    graph.start('diff_drive_controller', KHEPERA)
-    noise = graph.start('wheel_noise', {'wheel_radius': 0.021})
-    graph.start('simulated_base', {
-        **KHEPERA, 'enable_odom_tf': False, 'wheel_motion_topic': 'noisy_wheel_rates'})
-    truth = graph.collect(Odometry, 'odom')
-    commands = graph.publisher(Twist, 'cmd_vel')
-    driven(graph, truth, commands, 0.4)
-    noise.stop(signal.SIGKILL)
-    graph.start('wheel_noise', {'wheel_radius': 0.021})
-    driven(graph, truth, commands, 0.3)
-    assert_no_jump(truth)
+@pytest.mark.ros
+def test_a_second_idle_controller_does_not_move_the_pose(diffdrive):
+    robot = diffdrive(
+        nodes('diff_drive_controller', 'diff_drive_controller:idle', 'simulated_base',
+              idle={'cmd_vel_topic': 'other'}), params={**KHEPERA, 'enable_odom_tf': False})
+    robot.kill('idle')
+    robot.drive(SPEED, 0.0, 2.0)
+    robot.restart('idle')
+    passed = robot.odom.x
+    robot.drive(SPEED, 0.0, 1.0)
+    rates = messages(robot, 'wheel_rates')
+    assert len({message.header.frame_id for message in rates[-9:]}) == 2
+    # its first message is taken for that of a controller that was restarted
+    assert robot.odom.x == pytest.approx(passed + SPEED * 1.0, abs=SPEED * 0.05)
+    assert_no_jump(messages(robot, 'odom'))
 
 
-def test_a_second_idle_controller_does_not_move_the_pose(graph):
-    graph.start('simulated_base', {**KHEPERA, 'enable_odom_tf': False})
-    graph.start('diff_drive_controller', KHEPERA)
-    odometry = graph.collect(Odometry, 'odom')
-    commands = graph.publisher(Twist, 'cmd_vel')
-    passed = driven(graph, odometry, commands, 0.4)
-    graph.start('diff_drive_controller', {**KHEPERA, 'cmd_vel_topic': 'other'})
-    rates = graph.collect(JointState, 'wheel_rates')
-    graph.wait_for(
-        lambda: len({message.header.frame_id for message in rates[-9:]}) == 2, 'both of them')
-    assert x_of(odometry) > passed
-    assert_no_jump(odometry)
-
-
-def test_joint_states_of_a_clock_that_is_ahead_count_from_their_second_message_on(graph):
-    base = graph.start('simulated_base', {
+@pytest.mark.ros
+def test_joint_states_of_a_clock_that_is_ahead_count_from_their_second_message_on(diffdrive):
+    robot = diffdrive(nodes('simulated_base'), params={
         **KHEPERA, 'enable_odom_tf': False, 'extrapolate_positions': False})
-    odometry = graph.collect(Odometry, 'odom')
-    wheels = graph.publisher(JointState, 'wheel_rates')
-    ahead = graph.now_ns() + 3_000_000_000
     for number in range(9):
+        robot.advance(0.02)
         message = JointState(name=JOINTS, position=[float(number), float(number)])
-        set_stamp(message, ahead + number * 20_000_000)
-        wheels.publish(message)
-    graph.wait_for(
-        lambda: odometry and x_of(odometry) == pytest.approx(8 * 0.021, abs=1e-12), 'motion')
-    assert base.stop() == 0
+        set_stamp(message, round(robot.time * 1e9) + 3_000_000_000)
+        robot.publish('wheel_rates', message)
+    assert robot.odom.x == pytest.approx(8 * 0.021, abs=1e-12)
 
 
 def test_a_course_on_simulated_time_takes_a_step_back_of_the_clock_as_no_time(graph):
-    simulated = {'use_sim_time': True}
-    graph.start('diff_drive_controller', {
-        **KHEPERA, **simulated, 'enable_stamped_cmd_vel': False, 'cmd_vel_timeout': 0.0})
-    graph.start('simulated_base', {**KHEPERA, **simulated, 'enable_odom_tf': False})
+    simulated = {**KHEPERA, 'use_sim_time': True, 'enable_stamped_cmd_vel': True}
+    graph.start('diff_drive_controller', {**simulated, 'cmd_vel_timeout': 0.0})
+    graph.start('simulated_base', {**simulated, 'enable_odom_tf': False})
     odometry = graph.collect(Odometry, 'odom')
+    said = [odometry, graph.collect(JointState, 'wheel_rates'), graph.collect(
+        TwistStamped, 'cmd_vel')]
     clock = graph.node.create_publisher(Clock, '/clock', 1)
     sequence = graph.start('command_sequence', {
         **simulated, 'commands': [0.1, 0.0, 2.0], 'wait_for_topics': ['odom']})
-    now_ns, stepped, ticked_at = 100 * 10**9, False, 0.0
+    now_ns, stepped_ns = 100 * 10**9, None
+
+    def behind_ns():
+        """Return how far the slowest of them is behind the clock, as far as it did not step."""
+        stamps = [stamp_ns(heard[-1]) for heard in said if heard]
+        return max(now_ns - (stamp if stamp <= now_ns else stepped_ns) for stamp in stamps)
 
     def ticking():
-        """Let the clock go on once the base has followed it, or is not there to do so."""
-        nonlocal now_ns, stepped, ticked_at
-        followed = odometry and abs(now_ns - stamp_ns(odometry[-1])) < 50_000_000
-        if followed or time.monotonic() > ticked_at + 0.1:
-            ticked_at = time.monotonic()
+        """Let the clock go on once all of them have followed it, or have not begun to."""
+        nonlocal now_ns, stepped_ns
+        if not all(said) or behind_ns() < 60_000_000:
             now_ns += 5_000_000
-            if odometry and x_of(odometry) > 0.1 and not stepped:
-                now_ns, stepped = now_ns - 50 * 10**9, True
-            message = Clock()
-            message.clock.sec, message.clock.nanosec = divmod(now_ns, 10**9)
-            clock.publish(message)
+        if not stepped_ns and odometry and x_of(odometry) > 0.1:
+            now_ns = stepped_ns = now_ns - 50 * 10**9
+        message = Clock()
+        message.clock.sec, message.clock.nanosec = divmod(now_ns, 10**9)
+        clock.publish(message)
         return not sequence.running
 
     graph.wait_for(ticking, 'the course')

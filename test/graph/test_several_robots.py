@@ -70,7 +70,7 @@ def test_a_command_to_one_robot_moves_that_robot_only(graph, start):
             heard[robot][-1].twist.twist.linear.x for heard in (belief, truth)), 'the stop')
         assert place(belief[robot])[1] == START_Y[robot]
         assert place(truth[robot])[1] != START_Y[robot]  # biased and slipping
-        assert len(belief[other]) > seen + 5
+        graph.wait_for(lambda: len(belief[other]) > seen + 5, f'odometry of {other}')
         assert [place(heard[other]) for heard in (belief, truth)] == resting
 
 

@@ -26,6 +26,7 @@ from rclpy.qos import DurabilityPolicy, QoSProfile
 from sensor_msgs.msg import JointState
 from std_msgs.msg import String
 from support.graph import CONFIG, twist
+from support.stepped import messages
 import yaml
 
 FILES = sorted(CONFIG.glob('*.yaml'))
@@ -158,20 +159,16 @@ DRIVER_AND_ODOMETRY = """\
 """
 
 
-def test_wheel_odometry_is_a_simulated_base_that_hears_the_robot(graph, tmp_path):
+@pytest.mark.ros
+def test_wheel_odometry_is_a_simulated_base_that_hears_the_robot(diffdrive, capfd):
     """Beside the simulated base of this process, which is the driver here."""
-    file = tmp_path / 'both.yaml'
-    file.write_text(DRIVER_AND_ODOMETRY)
-    sim = graph.start('diffdrive_sim', args=['--ros-args', '--params-file', str(file)])
-    odometry, read = graph.collect(Odometry, 'odom'), graph.collect(Odometry, 'read')
-    commands = graph.publisher(Twist, 'cmd_vel')
-    commands.publish(twist(0.0, 0.0))
-    graph.wait_for(lambda: odometry and read, 'both, at rest')
-    commands.publish(twist(0.1, 0.0))
-    graph.wait_for(lambda: not any(
-        heard[-1].twist.twist.linear.x or heard[-1].pose.pose.position.x < 0.01
-        for heard in (odometry, read)), 'the robot to drive and to stop')
-    assert odometry[-1].pose.pose.position.x == pytest.approx(read[-1].pose.pose.position.x)
-    assert graph.node.count_publishers('joint_states') == 1
-    assert sim.stop() == 0, sim.output
-    assert 'section' not in sim.output
+    robot = diffdrive(yaml.safe_load(DRIVER_AND_ODOMETRY))
+    robot.drive(0.0, 0.0, 0.1)
+    robot.publish('cmd_vel', twist(0.1, 0.0))
+    robot.advance(2.0)
+    odometry, read = (messages(robot, topic)[-1] for topic in ('odom', 'read'))
+    assert odometry.twist.twist.linear.x == read.twist.twist.linear.x == 0.0
+    assert odometry.pose.pose.position.x > 0.01
+    assert odometry.pose.pose.position.x == pytest.approx(read.pose.pose.position.x)
+    assert len(robot.history('joint_states')) == len(robot.history('odom'))  # the driver's alone
+    assert 'section' not in capfd.readouterr().err

@@ -27,7 +27,9 @@ import pytest
 
 ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / 'docs' / 'tutorial' / 'without_ros_tools.md').read_text(encoding='utf-8')
-PORT = ['-p', 'web_view:port:=0']  # a free one: another test may have the usual
+ADDED = {  # to the commands with these files
+    'config/web.yaml': ['-p', 'web_view:port:=0'],  # a free one: another test may have the usual
+    'config/recording.yaml': ['-p', 'real_time_factor:=0.0']}  # not in the time that it took
 
 
 def blocks(language):
@@ -36,7 +38,6 @@ def blocks(language):
     return [block.replace('\\\n', ' ') for block in found]
 
 
-@pytest.mark.timeout(900)  # one of them plays a recording in the time that it took
 def test_the_commands_of_the_tutorial_run_as_they_are_written(graph, tmp_path):
     pytest.importorskip('matplotlib')
     pytest.importorskip('nicegui')
@@ -52,9 +53,9 @@ def test_the_commands_of_the_tutorial_run_as_they_are_written(graph, tmp_path):
             subprocess.run([sys.executable, *words[1:]], cwd=tmp_path, check=True,
                            env={**graph._environment, 'MPLBACKEND': 'Agg'})
             continue
-        web = 'config/web.yaml' in words
-        process = graph.start(name, args=[*words[1:], *(PORT if web else [])], cwd=tmp_path)
-        if web:
+        added = [part for file, parts in ADDED.items() if file in words for part in parts]
+        process = graph.start(name, args=[*words[1:], *added], cwd=tmp_path)
+        if 'config/web.yaml' in words:
             graph.wait_for(lambda: 'to drive; Ctrl-C ends' in process.output, 'the page')
             process.send(signal.SIGINT)
         assert process.wait() == 0, process.output
