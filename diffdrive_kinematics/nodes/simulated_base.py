@@ -17,10 +17,9 @@
 from dataclasses import dataclass
 from typing import Any, Mapping, Optional
 
-from diffdrive_kinematics.core.kinematics import WheelGeometry
+from diffdrive_kinematics.core.kinematics import Pose, WheelGeometry
 from diffdrive_kinematics.core.noise import NO_COVARIANCE, PoseCovariance, PoseMoments
 import diffdrive_kinematics.core.odometry as core
-from diffdrive_kinematics.core.odometry import Encoder, timeout_from_seconds, Verdict, WheelPair
 from diffdrive_kinematics.ros.inputs.driver_watch import DriverWatch
 from diffdrive_kinematics.ros.inputs.wheel_watch import WheelWatch
 from diffdrive_kinematics.ros.messages.messages import given_pose
@@ -29,11 +28,12 @@ from diffdrive_kinematics.ros.messages.wheel_messages import WheelReader, WheelW
 from diffdrive_kinematics.ros.parameters.from_values import (
     check_sides, check_wiring, wheel_geometry)
 from diffdrive_kinematics.ros.parameters.odometry_from_values import (
-    configured_odometry, initial_odometry, initial_pose)
+    check_frames, configured_odometry, initial_odometry, initial_pose)
 from diffdrive_kinematics.ros.parameters.tables import SIMULATED_BASE
+from diffdrive_kinematics.ros.publishers.lean_base import LeanBase
 from diffdrive_kinematics.ros.publishers.odometry import BeliefCorrection, OdometryPublisher
 from diffdrive_kinematics.ros.publishers.path import PathPublisher
-from diffdrive_kinematics.ros.publishers.tf import TransformPublisher
+from diffdrive_kinematics.ros.publishers.tf import transforms
 from diffdrive_kinematics.ros.runtime.diagnostics import (
     heard_values, quiet, RateSample, slowness, stamp_values, Status, unheard)
 from diffdrive_kinematics.ros.runtime.node import DiffDriveNode
@@ -53,7 +53,7 @@ class Config:
 
     geometry: WheelGeometry
     timeout_ns: Optional[int]
-    slip_variances: WheelPair
+    slip_variances: core.WheelPair
     values: Mapping[str, Any]
 
 
@@ -61,18 +61,10 @@ def build(values: Mapping[str, Any]) -> Config:
     """Return the configuration of parameter values, or raise ``ValueError``."""
     check_wiring(values, 'wheel_motion_topic', ('odom_topic', 'joint_states_topic', 'path_topic'))
     check_sides(values)
-    if values['enable_odom_tf'] and values['publish_map_odom_tf']:
-        raise ValueError(
-            'enable_odom_tf and publish_map_odom_tf are both true, expected enable_odom_tf to be '
-            'false: a frame has one parent, and that of base_frame_id is the frame of '
-            "belief_topic's odometry")
-    if values['odom_frame_id'] == values['base_frame_id']:
-        raise ValueError(
-            f"odom_frame_id and base_frame_id are both {values['odom_frame_id']!r}, expected "
-            'different frames')
+    check_frames(values)
     slips = values['left_slip_variance'], values['right_slip_variance']
     return Config(
-        wheel_geometry(values), timeout_from_seconds(values['command_timeout']),
+        wheel_geometry(values), core.timeout_from_seconds(values['command_timeout']),
         slips if values['slip_model'] == 'travel' else (0.0, 0.0), values)
 
 
@@ -89,8 +81,8 @@ class SimulatedBase(DiffDriveNode[Config]):
         super().__init__(name, self.TABLE, build, **composition)
         values, runtime = self.config.values, self.runtime
         joints = wheel_joints(values)
-        encoder = Encoder(values['encoder_range'], values['encoder_resolution'])
-        self._odometry = initial_odometry(
+        encoder = core.Encoder(values['encoder_range'], values['encoder_resolution'])
+        odometry = initial_odometry(
             values, self.config.geometry, self.config.timeout_ns, self.config.slip_variances)
         self._reader = WheelReader(
             joints, positions=values['position_feedback'], encoder_range=encoder.period)
@@ -103,10 +95,10 @@ class SimulatedBase(DiffDriveNode[Config]):
         self._wheels = WheelWriter(joints, self.source(), encoder)
         topic = values['joint_states_topic']
         self._joints = runtime.publish(JointState, topic) if topic else None
-        self._transform = self._transforms('enable_odom_tf')
-        transform = self._transforms('publish_map_odom_tf')
+        self._transform = transforms(self, 'enable_odom_tf')
+        transform = transforms(self, 'publish_map_odom_tf')
         self._correction = BeliefCorrection(
-            self._out.frames, transform, self._odometry) if transform else None
+            self._out.frames, transform, odometry) if transform else None
         if self._correction:
             runtime.listen(Odometry, values['belief_topic'], self._on_belief)
         self._path = PathPublisher(
@@ -114,11 +106,15 @@ class SimulatedBase(DiffDriveNode[Config]):
         if topic := values['set_pose_topic']:
             runtime.listen(PoseWithCovarianceStamped, topic, self._on_pose, needs_wakeup=False)
         runtime.serve(Trigger, '~/reset', self._on_reset)
-        self._timer = runtime.every(values['publish_rate'], self._tick)
+        self._lean = LeanBase(
+            odometry, self._reader, self._wheel_motion, self.health, self._out, self._wheels,
+            self._joints, self._tell_beside, now=self._synchronised_now, tick=self._tick)
+        self._on_timer = self._lean.tick if (
+            values['lean_path'] and self._wheel_motion.waits and not transform) else self._tick
+        self._timer = runtime.every(values['publish_rate'], self._on_timer)
         self.parameters.on_change(self._configure)
 
-    def _transforms(self, switch: str) -> Optional[TransformPublisher]:
-        return TransformPublisher(self, switch) if self.config.values[switch] else None
+    _odometry = property(lambda self: self._lean.odometry)
 
     def reading(self) -> core.BaseState:
         """Return the base as it is now."""
@@ -136,6 +132,7 @@ class SimulatedBase(DiffDriveNode[Config]):
         now_ns = self._synchronised_now()
         if not now_ns and self.time.waits_for_clock():
             return
+        self._lean.leave()
         now_ns = min(now_ns, info.received_ns or now_ns)
         sample = self._reader.read(message, lambda: now_ns, info.number)
         if sample is None:
@@ -143,7 +140,7 @@ class SimulatedBase(DiffDriveNode[Config]):
         self.health.statistics.note(now_ns, sample.stamp_ns)
         before = self._odometry
         odometry, verdict = before.update(sample, now_ns)
-        self._odometry = odometry
+        self._lean.odometry = odometry
         if odometry.clock is not before.clock or odometry.measured is not before.measured:
             self._driver.look(odometry)
         self.rejections.judge(verdict, self.config.values['wheel_motion_topic'])
@@ -184,9 +181,9 @@ class SimulatedBase(DiffDriveNode[Config]):
     def _tick(self) -> None:
         now_ns = self._updated_now()
         if self._odometry.motion is None:
-            topic = self.config.values['wheel_motion_topic']
             self.get_logger().info(
-                f"waiting for wheel motion of our joints on '{topic}'",
+                'waiting for wheel motion of our joints on '
+                f"'{self.config.values['wheel_motion_topic']}'",
                 throttle_duration_sec=WAITING_REPORT_PERIOD_S, skip_first=True)
             return
         self.health.sent += 1
@@ -194,10 +191,13 @@ class SimulatedBase(DiffDriveNode[Config]):
         self._out.publish(now_ns, reading, self._odometry)
         if self._joints:
             self._joints.publish(self._wheels.encode(now_ns, reading.rates, reading.angles))
+        self._tell_beside(now_ns, reading.pose)
+
+    def _tell_beside(self, now_ns: int, pose: Pose) -> None:
         if self._transform:
-            self._transform.publish(now_ns, self._out.frames, reading.pose)
+            self._transform.publish(now_ns, self._out.frames, pose)
         if self._path:
-            self._path.add(now_ns, reading.pose)
+            self._path.add(now_ns, pose)
 
     def status(self, look: RateSample) -> Status:
         """Return how wheel motion comes in and odometry goes out."""
@@ -206,7 +206,7 @@ class SimulatedBase(DiffDriveNode[Config]):
         return Status({
             **heard_values(heard, look.now_ns, 'wheel motion'),
             'achieved odometry rate [Hz]': look.rate, **stamp_values(self.counts),
-            'position jumps': self.counts[Verdict.JUMPED.value],
+            'position jumps': self.counts[core.Verdict.JUMPED.value],
             'last now - stamp [s]': heard.skew_ns / 1e9,
             'largest now - stamp [s]': heard.largest_skew_ns / 1e9,
             **self._wheel_watch.values(), **self._driver.values(self._odometry)}, [
@@ -227,19 +227,20 @@ class SimulatedBase(DiffDriveNode[Config]):
         return now_ns
 
     def _begin_anew(self, odometry: core.Odometry) -> None:
-        self._odometry = odometry
+        self._lean.odometry = odometry
         if self._correction:
             self._correction.begin_anew(odometry)
 
     def _configure(self, config: Config) -> None:
         now_ns = self._updated_now()
-        self._odometry = configured_odometry(
+        self._lean.odometry = configured_odometry(
             self._odometry, config.geometry, config.timeout_ns, config.slip_variances,
             config.values, now_ns)
         if self._correction:
             self._correction.follow(self._odometry)
         self._out.configure(config.values)
-        self._timer = self.runtime.retimed(self._timer, config.values['publish_rate'], self._tick)
+        self._timer = self.runtime.retimed(
+            self._timer, config.values['publish_rate'], self._on_timer)
         self._wheel_motion.set_poll_rate(config.values['publish_rate'])
 
 

@@ -30,11 +30,11 @@ from typing import Any, Sequence
 
 from diffdrive_kinematics.core.kinematics import NANOSECONDS
 
-__all__ = ['HEADER', 'Layout', 'STAMP_AT', 'Template', 'stamped_sequence']
+__all__ = ['HEADER', 'Layout', 'STAMP_AT', 'Template', 'stamped_sequence', 'write_stamp']
 
 HEADER = bytes((0, sys.byteorder == 'little', 0, 0))
 STAMP_AT = len(HEADER)
-_pack_stamp = struct.Struct('=iI').pack_into
+write_stamp = struct.Struct('=iI').pack_into
 
 
 class Layout:
@@ -81,19 +81,19 @@ class Template:
     """A serialised message whose numbers can be overwritten."""
 
     def __init__(self, layout: Layout) -> None:
-        self._data = bytearray(struct.pack(layout.format, *layout.values))
+        self.data = bytearray(struct.pack(layout.format, *layout.values))
 
     def doubles(self, first: int, count: int) -> 'memoryview[float]':
         """Return doubles of the message, the first one at ``first``, to be written to."""
-        return memoryview(self._data)[first:first + 8 * count].cast('d')
+        return memoryview(self.data)[first:first + 8 * count].cast('d')
 
     def stamp(self, time_ns: int, at: int = STAMP_AT) -> None:
         """Write a stamp, by default that of the header with which the message begins."""
-        _pack_stamp(self._data, at, time_ns // NANOSECONDS, time_ns % NANOSECONDS)
+        write_stamp(self.data, at, time_ns // NANOSECONDS, time_ns % NANOSECONDS)
 
     def message(self) -> bytes:
         """Return what is to be published."""
-        return bytes(self._data)
+        return bytes(self.data)
 
 
 def stamped_sequence(sec: int, nanosec: int, frame_id: str, count: int) -> bytes:
@@ -102,5 +102,5 @@ def stamped_sequence(sec: int, nanosec: int, frame_id: str, count: int) -> bytes
     layout.header(frame_id)
     layout.numbers('I', [count])
     front = bytearray(struct.pack(layout.format, *layout.values))
-    _pack_stamp(front, STAMP_AT, sec, nanosec)
+    write_stamp(front, STAMP_AT, sec, nanosec)
     return bytes(front)

@@ -20,9 +20,10 @@ one, and returns a value.  :mod:`~diffdrive_kinematics.ros.messages.serialised` 
 without objects; :mod:`~diffdrive_kinematics.ros.messages.codec` decides which one is used.
 """
 
-from typing import Any, Iterable, MutableSequence, NamedTuple, Optional, Sequence, Tuple, Union
+from typing import (
+    Any, Callable, Iterable, MutableSequence, NamedTuple, Optional, Sequence, Tuple, Union)
 
-from diffdrive_kinematics.core.kinematics import Pose
+from diffdrive_kinematics.core.kinematics import NANOSECONDS, Pose
 from diffdrive_kinematics.core.noise import PoseCovariance, TwistCovariance
 from diffdrive_kinematics.core.odometry import BaseState
 from diffdrive_kinematics.ros.messages.messages import nanoseconds, quaternion_of, set_stamp
@@ -109,6 +110,12 @@ class JointStateCodec:
         message.header.stamp.sec, message.header.stamp.nanosec = values.sec, values.nanosec
         return message
 
+    def encoder_of_two(self, frame_id: str, names: Tuple[str, ...]) -> Callable[..., Any]:
+        """Return what makes the message of a stamp, and of positions and velocities of two."""
+        return lambda stamp_ns, left, right, left_rate, right_rate: self.encode(JointValues(
+            frame_id, names, *divmod(stamp_ns, NANOSECONDS), (left, right),
+            (left_rate, right_rate)))
+
     def decode(self, message: Union[bytes, JointState]) -> JointValues:
         """Return what the message says of all its joints, whatever their lengths."""
         message = as_message(message, JointState)
@@ -116,6 +123,9 @@ class JointStateCodec:
         return JointValues(
             header.frame_id, tuple(message.name), header.stamp.sec, header.stamp.nanosec,
             message.position, message.velocity)
+
+    def shape_of(self, message: bytes) -> Any:
+        """Return what reads messages like it; None: only this codec does."""
 
 
 class WheelCommandCodec:
@@ -161,11 +171,16 @@ class OdometryCodec:
 
     def encode(self, stamp_ns: int, state: BaseState) -> Any:
         """Return the message with a stamp and the state of the base."""
+        return self.encoded(stamp_ns, *state.pose, *state.twist)
+
+    def encoded(
+            self, stamp_ns: int, x: float, y: float, theta: float, v: float, w: float) -> Any:
+        """Return the message with a stamp, a pose and a twist."""
         message = Odometry(
             header=header_of(self.frame_id, stamp_ns), child_frame_id=self.child_frame_id)
-        message.pose.pose = pose_message(state.pose)
+        message.pose.pose = pose_message(Pose(x, y, theta))
         message.pose.covariance[:] = self._pose
-        message.twist.twist.linear.x, message.twist.twist.angular.z = state.twist
+        message.twist.twist.linear.x, message.twist.twist.angular.z = v, w
         message.twist.covariance[:] = self._twist
         return message
 

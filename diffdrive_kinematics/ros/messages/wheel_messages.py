@@ -14,7 +14,7 @@
 
 """Wheel motion as JointState: what joints say is read in any form, and written."""
 
-from typing import Callable, Optional, Sequence, Tuple, Union
+from typing import Any, Callable, NamedTuple, Optional, Sequence, Tuple, Union
 
 from diffdrive_kinematics.core.kinematics import NANOSECONDS
 from diffdrive_kinematics.core.odometry import Encoder, JointMessage, WheelPair, WheelSample
@@ -29,6 +29,18 @@ from std_msgs.msg import Float64MultiArray
 __all__ = ['WheelCommandWriter', 'WheelReader', 'WheelWriter']
 
 NOBODY = -1
+Places = Tuple[int, ...]
+
+
+class UsualMessage(NamedTuple):
+    """How the next message is read, if it is the usual one: ``shape`` unpacks its values."""
+
+    number: int
+    source: str
+    shape: Any
+    rates: Places  # where among the values the left and the right one are
+    positions: Places  # empty: there are none, or they do not count
+    gear_ratio: float
 
 
 class WheelReader:
@@ -76,6 +88,30 @@ class WheelReader:
 
         """
         return self._sample(*self._codec.decode(message), now_ns, number)
+
+    def usual(self, message: bytes) -> Optional[UsualMessage]:
+        """Return how to read what is like the message read last; None: that is not all."""
+        shape = self._codec.shape_of(message)
+        count = len(self._names)
+        if self._next <= 0 or shape is None or any(self._joints.inverted) or (
+                shape.frame_id, shape.names) != (self._tag, self._names):
+            return None
+        (first, count_of_rates), (first_position, count_of_positions) = (
+            (numbers.start, numbers.stop - numbers.start)
+            for numbers in (shape.velocity, shape.position))
+        if count_of_rates != count or count_of_positions not in (0, count):
+            return None
+        with_positions = self._with_positions and count_of_positions
+        return UsualMessage(
+            self._next, self._tag, shape, tuple(first + index for index in self._indices),
+            tuple(first_position + index for index in self._indices) if with_positions else (),
+            self._joints.gear_ratio)
+
+    def caught_up(
+            self, number: int, positions: Sequence[float], rates: Sequence[float],
+            now_ns: int) -> None:
+        """Note the last of the usual messages that somebody else has read."""
+        self._next, self._last = number + 1, (positions, rates, now_ns)
 
     def _sample(
             self, source: str, names: Sequence[str], sec: int, nanosec: int,
@@ -174,6 +210,17 @@ class WheelWriter:
         self._joints, self._encoder, self._source = joints, encoder, source
         self._reads = bool(encoder.period or encoder.resolution)
         self._names, self._codec = joints.all_names(), JointStateCodec()
+
+    def encoder_of_two(self) -> Optional[Callable[..., Any]]:
+        """
+        Return what makes the message of a stamp, and of positions and rates of two joints.
+
+        None: there are others, some are inverted, or an encoder reads them.
+        """
+        joints = self._joints
+        if len(self._names) != 2 or any(joints.inverted) or self._reads:
+            return None
+        return self._codec.encoder_of_two(self._source, self._names)
 
     def encode(
             self, stamp_ns: int, rates: Optional[WheelPair], positions: Optional[WheelPair]

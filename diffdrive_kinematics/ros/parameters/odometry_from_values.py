@@ -24,7 +24,20 @@ from diffdrive_kinematics.core.odometry import MeasuredWheels, Odometry, RateWin
 from diffdrive_kinematics.ros.parameters.from_values import body_slip, session_spread
 import numpy as np
 
-__all__ = ['configured_odometry', 'initial_odometry', 'initial_pose']
+__all__ = ['check_frames', 'configured_odometry', 'initial_odometry', 'initial_pose']
+
+
+def check_frames(values: Mapping[str, Any]) -> None:
+    """Raise ``ValueError`` where a frame would have two parents, or itself as its parent."""
+    if values['enable_odom_tf'] and values['publish_map_odom_tf']:
+        raise ValueError(
+            'enable_odom_tf and publish_map_odom_tf are both true, expected enable_odom_tf to be '
+            'false: a frame has one parent, and that of base_frame_id is the frame of '
+            "belief_topic's odometry")
+    if values['odom_frame_id'] == values['base_frame_id']:
+        raise ValueError(
+            f"odom_frame_id and base_frame_id are both {values['odom_frame_id']!r}, expected "
+            'different frames')
 
 
 def _encoder_bound(values: Mapping[str, Any]) -> float:

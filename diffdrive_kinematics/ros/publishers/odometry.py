@@ -14,7 +14,7 @@
 
 """Odometry of a base, and where its belief's frame is in the world."""
 
-from typing import Any, Mapping, NamedTuple, Optional, Sequence, Tuple, TYPE_CHECKING
+from typing import Any, Mapping, Optional, Tuple, TYPE_CHECKING
 
 from diffdrive_kinematics.core.kinematics import compose, inverse
 from diffdrive_kinematics.core.noise import twist_covariance
@@ -29,20 +29,6 @@ if TYPE_CHECKING:
     from diffdrive_kinematics.ros.runtime.node import DiffDriveNode
 
 __all__ = ['BeliefCorrection', 'OdometryPublisher']
-
-
-class _Covariances(NamedTuple):
-    """What the covariances are made of."""
-
-    pose: Sequence[float]  # fixed diagonals; zeros: they come from the slip
-    twist: Sequence[float]
-    floor: float
-    period: float  # in which the twist is measured [s]
-
-    @classmethod
-    def of(cls, values: Mapping[str, Any]) -> '_Covariances':
-        return cls(values['pose_covariance_diagonal'], values['twist_covariance_diagonal'],
-                   values['covariance_floor'], 1.0 / values['publish_rate'])
 
 
 class OdometryPublisher:
@@ -61,33 +47,38 @@ class OdometryPublisher:
     def __init__(self, node: 'DiffDriveNode[Any]', values: Mapping[str, Any]) -> None:
         prefix = frame_prefix(values, node.get_namespace())
         self.frames = prefix + values['odom_frame_id'], prefix + values['base_frame_id']
-        self._message = OdometryCodec(*self.frames)
+        self.codec = OdometryCodec(*self.frames)
         topic = values['odom_topic']
-        self._publisher = node.runtime.publish(Odometry, topic) if topic else None
-        self._covariances = _Covariances.of(values)
+        self.publisher = node.runtime.publish(Odometry, topic) if topic else None
         self._twist_of: Optional[WheelPair] = None  # whose covariance the message has
         self.configure(values)
 
     def configure(self, values: Mapping[str, Any]) -> None:
         """Set what stays: the fixed diagonals, or the floor where nothing is observed."""
-        self._covariances = pose, twist, floor, _ = _Covariances.of(values)
+        pose, twist = values['pose_covariance_diagonal'], values['twist_covariance_diagonal']
+        self.pose_slips, self._twist_slips = not any(pose), not any(twist)
+        self.floor = floor = values['covariance_floor']
+        self._period = 1.0 / values['publish_rate']  # in which the twist is measured [s]
         self._twist_of = None
-        self._message.set_diagonals(*(
+        self.codec.set_diagonals(*(
             diagonal if any(diagonal) else (floor,) * 6 for diagonal in (pose, twist)))
+
+    def set_twist_covariance(self, rates: WheelPair, odometry: core.Odometry) -> None:
+        """Set the covariance of the twist, where it comes from the slip."""
+        if self._twist_slips and rates != self._twist_of:
+            self._twist_of = rates
+            self.codec.set_twist_covariance(twist_covariance(
+                odometry.geometry, rates, *odometry.slip_variances, self._period, self.floor,
+                odometry.body_slip))
 
     def publish(self, now_ns: int, reading: core.BaseState, odometry: core.Odometry) -> None:
         """Publish what a base reads now; slip up to now makes its covariance."""
-        if self._publisher is None:
+        if self.publisher is None:
             return
-        pose, twist, floor, period = self._covariances
-        if not any(pose):
-            self._message.set_pose_covariance(odometry.covariance_at(now_ns), floor)
-        if not any(twist) and reading.rates != self._twist_of:
-            self._twist_of = reading.rates
-            self._message.set_twist_covariance(twist_covariance(
-                odometry.geometry, reading.rates, *odometry.slip_variances, period, floor,
-                odometry.body_slip))
-        self._publisher.publish(self._message.encode(now_ns, reading))
+        if self.pose_slips:
+            self.codec.set_pose_covariance(odometry.covariance_at(now_ns), self.floor)
+        self.set_twist_covariance(reading.rates, odometry)
+        self.publisher.publish(self.codec.encode(now_ns, reading))
 
 
 class BeliefCorrection:

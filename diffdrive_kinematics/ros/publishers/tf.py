@@ -24,7 +24,7 @@ from diffdrive_kinematics.ros.runtime.rclpy_private import given_overrides
 if TYPE_CHECKING:
     from diffdrive_kinematics.ros.runtime.node import DiffDriveNode
 
-__all__ = ['TransformPublisher', 'frame_prefix']
+__all__ = ['TransformPublisher', 'frame_prefix', 'transforms']
 
 
 def frame_prefix(values: Mapping[str, Any], namespace: str) -> str:
@@ -83,3 +83,8 @@ class TransformPublisher:
         if frames != self._message.frames:
             self._message = TransformCodec(*frames)
         self._publisher.publish(self._message.encode(stamp_ns, pose))
+
+
+def transforms(node: 'DiffDriveNode', switch: str) -> Optional[TransformPublisher]:
+    """Return what publishes transforms, where a parameter asks for it."""
+    return TransformPublisher(node, switch) if node.config.values[switch] else None

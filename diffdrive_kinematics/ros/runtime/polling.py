@@ -28,6 +28,8 @@ QUEUE_DEPTH = 100  # at LEAST_RATE: 2000 messages a second
 class Poll:
     """What has come on a topic since it was looked at last: nothing, it is handed on at once."""
 
+    waits = False  # whether something may be there to be taken
+
     def take(self) -> None:
         """Hand on what has come up to now."""
 
@@ -50,19 +52,21 @@ class QueuePoll(Poll):
 
     """
 
+    waits = True
+
     def __init__(
             self, runtime: Any, callback: Callable[[bytes, MessageInfo], None],
             subscription: Subscription) -> None:
-        self._runtime, self._callback, self._taken = runtime, callback, taker_of(subscription)
+        self._runtime, self.callback, self.taken = runtime, callback, taker_of(subscription)
         self._timer: Any = None
 
     def take(self) -> None:
         """Hand on what has come up to now."""
         for _ in range(QUEUE_DEPTH):  # more cannot have come; a flood would never end
-            taken = self._taken()
+            taken = self.taken()
             if not taken:
                 return
-            hand_on(taken, self._callback)
+            hand_on(taken, self.callback)
 
     def set_poll_rate(self, rate: float) -> None:
         """Be told the rate [Hz] at which ``take`` is called from now on."""

@@ -40,7 +40,8 @@ except ImportError:
     EventsExecutor = None
 
 __all__ = [
-    'EVENTS_EXECUTOR', 'HAS_LEAN_PATH', 'MessageInfo', 'RCLError', 'RMWError', 'UNKNOWN',
+    'EVENTS_EXECUTOR', 'HAS_LEAN_PATH', 'MessageInfo', 'NUMBER', 'RCLError', 'RECEIVED',
+    'RMWError', 'UNKNOWN',
     'UnknownROSArgsError', 'given_overrides', 'hand_on', 'informing', 'leave_graph', 'missing',
     'simulation_of', 'taker_of', 'time_of']
 
@@ -134,6 +135,8 @@ class MessageInfo(NamedTuple):
 
 
 UNKNOWN = MessageInfo()
+NUMBER, SENT, RECEIVED = (  # what is told of a message that is taken
+    'publication_sequence_number', 'source_timestamp', 'received_timestamp')
 Taken = Tuple[bytes, Mapping[str, Any]]
 
 
@@ -146,8 +149,7 @@ def informing(callback: Callable[[Any, MessageInfo], None]) -> Callable[..., Non
     def hear(*taken: Any) -> None:
         message, told = taken if len(taken) == 2 else taken[0]
         get = told.get
-        callback(message, MessageInfo(
-            get('publication_sequence_number') or 0, get('source_timestamp') or 0))
+        callback(message, MessageInfo(get(NUMBER) or 0, get(SENT) or 0))
 
     hear.__signature__ = inspect.signature(_both)  # type: ignore[attr-defined]
     return hear
@@ -169,9 +171,7 @@ def hand_on(taken: Taken, callback: Callable[[bytes, MessageInfo], None]) -> Non
     """Call back with a message that was taken."""
     message, told = taken
     get = told.get
-    callback(message, MessageInfo(
-        get('publication_sequence_number') or 0, get('source_timestamp') or 0,
-        get('received_timestamp') or 0))
+    callback(message, MessageInfo(get(NUMBER) or 0, get(SENT) or 0, get(RECEIVED) or 0))
 
 
 def leave_graph(node: Node) -> None:

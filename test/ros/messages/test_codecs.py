@@ -263,7 +263,7 @@ def test_a_known_shape_is_read_without_an_object(monkeypatch):
     reader, messages = WheelReader(joints), WheelWriter(joints, 'me')
     first = reader.read(messages.encode(1, (1.0, 2.0), (3.0, 4.0)), int)
     monkeypatch.setattr(
-        'diffdrive_kinematics.ros.messages.serialised.deserialize_message', pytest.fail)
+        'diffdrive_kinematics.ros.messages.serialised_joints.deserialize_message', pytest.fail)
     second = reader.read(messages.encode(2, (5.0, 6.0), (7.0, 8.0)), int)
     assert (first.rates, first.positions) == ((1.0, 2.0), (3.0, 4.0))
     assert (second.stamp_ns, second.rates, second.positions, second.source) == (

@@ -115,6 +115,9 @@ SIMULATED_BASE = (
          check=check_non_negative, read_only=True),
     Spec('path_rate', 2.0, 'Rate [Hz] at which the path is published when it has changed.',
          check=check_rate, read_only=True),
+    Spec('lean_path', True, 'Handle usual messages and ticks in one function each, which costs '
+         'less CPU. false: handle all of them as the unusual ones are. The messages are the same.',
+         Kind.BOOL, read_only=True),
     DIAGNOSTICS, EXECUTOR)
 
 _OF_A_ROBOT = {'wheel_motion_topic': 'joint_states', 'joint_states_topic': ''}
