@@ -109,13 +109,13 @@ def mesh_of(
     distance, turn = pose_change_from_travel(geometry, stage.d_left, stage.d_right)
     return np.stack([
         slice_of(
-            polygon, 0.5 * turn + node, _distances(stage, geometry, distance, node, margin),
-            stage.lateral_bound + margin)
+            polygon, 0.5 * turn + node, _distances(stage, geometry, distance, node),
+            stage.lateral_bound, margin)
         for node in nodes], axis=1)
 
 
 def _distances(
-        stage: Stage, geometry: WheelGeometry, distance: float, node: float, margin: float
+        stage: Stage, geometry: WheelGeometry, distance: float, node: float
 ) -> Tuple[float, float]:
     """Return least and largest distance [m] of the centre that go with an error of h [rad]."""
     of_body, double = 0.5 * stage.turn_bound, 2.0 * geometry.separation
@@ -126,12 +126,13 @@ def _distances(
     low = max(-stage.left_bound, -stage.right_bound - 2.0 * opposite) + opposite
     high = min(stage.left_bound, stage.right_bound - 2.0 * nearest) + nearest
     middle = 0.5 * (low + high)
-    return (distance + min(low, middle) - stage.distance_bound - margin,
-            distance + max(high, middle) + stage.distance_bound + margin)
+    return (distance + min(low, middle) - stage.distance_bound,
+            distance + max(high, middle) + stage.distance_bound)
 
 
 def slice_of(
-        polygon: Points, half: float, distances: Tuple[float, float], lateral: float) -> Points:
+        polygon: Points, half: float, distances: Tuple[float, float], lateral: float,
+        margin: float) -> Points:
     """
     Return the boundary of the sum of the rotated polygon and the rectangle of one half turn.
 
@@ -149,6 +150,8 @@ def slice_of(
         Least and largest distance of the centre [m].
     lateral : float
         Largest displacement to the side [m].
+    margin : float
+        By how much the sum is widened, whatever the arc makes of its length [m].
 
     Returns
     -------
@@ -157,16 +160,16 @@ def slice_of(
 
     Examples
     --------
-    >>> round(float(slice_of(np.zeros(1, complex), 0.0, (0.9, 1.1), 0.1).real.max()), 9)
+    >>> round(float(slice_of(np.zeros(1, complex), 0.0, (0.9, 1.1), 0.1, 0.0).real.max()), 9)
     1.1
 
     """
     points, normals = _with_normals(polygon)
     ratio = float(sinc(half))
     low, high = sorted((ratio * distances[0], ratio * distances[1]))
-    angle = normals + half
-    corner = (np.where(np.cos(angle) > 0.0, high, low)
-              + 1j * np.where(np.sin(angle) > 0.0, lateral, -lateral))
+    angle, side = normals + half, lateral + margin
+    corner = (np.where(np.cos(angle) > 0.0, high + margin, low - margin)
+              + 1j * np.where(np.sin(angle) > 0.0, side, -side))
     turned = complex(math.cos(half), math.sin(half))
     return np.asarray(turned * (turned * points + corner))
 

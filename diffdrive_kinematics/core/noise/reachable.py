@@ -199,7 +199,7 @@ def _reachable(
     for stage in reversed(stages):
         polygon, margin = _before(polygon, margin, stage, geometry, share, most_vertices // 2)
     margin += FLOAT32 * float(np.max(np.abs(polygon)) + math.hypot(x, y))
-    ring = slice_of(polygon, 0.0, (-margin, margin), margin)
+    ring = slice_of(polygon, 0.0, (0.0, 0.0), 0.0, margin)
     widened = outer_boundary(ring, turned_edges(ring[:, None]))
     placed = complex(x, y) + complex(math.cos(theta), math.sin(theta)) * widened
     return placed.real.copy(), placed.imag.copy()

@@ -226,6 +226,16 @@ def test_without_disturbances_the_set_is_the_point_of_the_mean():
     assert excess(polygon, end) < 1e-6
 
 
+@pytest.mark.parametrize('turns', [-2, -1, 1, 2])
+@pytest.mark.parametrize('ratio', [0.0, 0.5, 3.0])
+def test_whole_turns_end_where_they_start(turns, ratio):
+    turn = 2.0 * math.pi * turns  # an arc of a half turn of pi has no chord, whatever its length
+    travel = ratio * abs(turn) * L - 0.5 * turn * L, ratio * abs(turn) * L + 0.5 * turn * L
+    for slip in (NONE, UNIFORM):
+        x, y = reachable_set_from_slip(ORIGIN, [travel], GEOMETRY, NONE, slip)
+        assert x.min() < 0.0 < x.max() and y.min() < 0.0 < y.max()
+
+
 def test_a_wider_bound_gives_a_set_around_the_narrower_one():
     narrow = boundary_of([Stage(0.5, 0.6, 0.005, 0.004, 0.002)] * 3)
     wide = boundary_of([Stage(0.5, 0.6, 0.006, 0.005, 0.003)] * 3)
