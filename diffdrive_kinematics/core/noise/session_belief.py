@@ -48,6 +48,7 @@ from typing import NamedTuple
 
 from diffdrive_kinematics.core.noise.arc_means import arc_means
 from diffdrive_kinematics.core.noise.pose_covariance import PoseCovariance
+from diffdrive_kinematics.core.noise.pose_moments import gaussian_moments, PoseMoments
 from diffdrive_kinematics.core.noise.session_errors import SessionSpread
 
 __all__ = ['SessionBelief']
@@ -174,6 +175,38 @@ class SessionBelief(NamedTuple):
             yt += y * theta
             tt += theta * theta
         return PoseCovariance(xx, xy, xt, yy, yt, tt)
+
+    def joined(self, moments: PoseMoments) -> PoseMoments:
+        """
+        Return the moments of a pose with what the session has made so far as part of them.
+
+        Parameters
+        ----------
+        moments : PoseMoments
+            Of the error of the pose without the session, in the fixed frame.
+
+        Returns
+        -------
+        PoseMoments
+            Of the sum of that error and an independent Gaussian one of this covariance.
+
+        Examples
+        --------
+        >>> from diffdrive_kinematics.core.noise import CERTAIN
+        >>> belief = SessionBelief(SessionSpread(curvature=0.03)).after(0.0, 2.0, 0.0)
+        >>> belief.joined(CERTAIN).second_moment() == belief.covariance()
+        True
+
+        """
+        made = gaussian_moments(self.covariance())
+        known = moments.start
+        gaussian = moments.spread.tt - known.variance
+        own = (1.0 - known.cosine_loss) * math.exp(-0.5 * gaussian)  # mean cosine of each heading
+        other = math.exp(-0.5 * made.spread.tt)
+        return moments._replace(
+            spread=moments.spread.plus(made.spread),
+            x_swing=other * moments.x_swing + own * made.x_swing,
+            y_swing=other * moments.y_swing + own * made.y_swing)
 
     def restarted(self) -> 'SessionBelief':
         """

@@ -20,7 +20,8 @@ from typing import NamedTuple, Optional
 from diffdrive_kinematics.core.kinematics import (
     check_finite, displacement, Pose, RunningSum, wrap_angle)
 from diffdrive_kinematics.core.noise import (
-    CERTAIN, NO_COVARIANCE, PoseCovariance, PoseMoments, SessionBelief, SessionSpread)
+    CERTAIN, NO_COVARIANCE, NO_SESSION, PoseCovariance, PoseMoments, SessionBelief,
+    SessionSpread)
 
 __all__ = ['Anchor']
 
@@ -106,15 +107,20 @@ class Anchor(NamedTuple):
         Returns
         -------
         Anchor
-            The anchor with them; where nothing was counted before, it counts from here on.
+            The anchor with them.  They count from here on: what was gathered under others stays
+            as it is, part of the moments.
 
         Examples
         --------
         See :class:`Anchor`.
 
         """
-        session = self.session or SessionBelief(spread)
-        return self._replace(session=session._replace(spread=spread) if spread else None)
+        before = self.session
+        if spread == (before.spread if before else NO_SESSION):
+            return self
+        return self._replace(
+            moments=before.joined(self.moments) if before else self.moments,
+            session=SessionBelief(spread) if spread else None)
 
     @property
     def heading(self) -> float:

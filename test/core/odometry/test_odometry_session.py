@@ -110,6 +110,25 @@ def test_another_geometry_counts_from_now_on_and_keeps_what_was_gathered():
         RADII[0] * 5.0 + RADII[1] * 7.0))
 
 
+@pytest.mark.parametrize('spread', [NO_SESSION, SessionSpread(curvature=0.5)])
+def test_what_was_gathered_stays_when_the_spread_changes(spread):
+    before = fed(START, SAMPLES).configured(GEOMETRY, S, END)
+    after = before._replace(anchor=before.anchor.with_session(spread))
+    assert after.covariance_at(END).matrix() == pytest.approx(
+        before.covariance_at(END).matrix(), rel=1e-12)
+
+
+def test_what_was_gathered_swings_on_like_a_pose_that_is_as_uncertain():
+    still = START._replace(slip_variances=(0.0, 0.0))
+    before = fed(still, SAMPLES).configured(GEOMETRY, S, END)
+    pose, covariance = before.predict(END).pose, before.covariance_at(END)
+    on = WheelSample(END, (5.0, 7.0))
+    found = fed(before._replace(anchor=before.anchor.with_session(NO_SESSION)), [on])  # 1 ns later
+    expected = fed(PLAIN._replace(slip_variances=(0.0, 0.0)).set_pose(pose, covariance, END), [on])
+    assert found.covariance_at(END + S).matrix() == pytest.approx(
+        expected.covariance_at(END + S).matrix(), rel=1e-6)
+
+
 def streamed(samples, left=WheelSlip(), right=WheelSlip(), session=ERROR):
     """Return what a stream with a session puts out."""
     stream = SlipStream(
