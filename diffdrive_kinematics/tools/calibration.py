@@ -32,7 +32,8 @@ from diffdrive_kinematics.tools.calibration_sessions import (
 from diffdrive_kinematics.tools.recordings import nobody
 
 __all__ = [
-    'CLOCKS', 'Calibration', 'Gain', 'MULTIPLIERS', 'Row', 'of_drives', 'of_squares', 'table']
+    'CLOCKS', 'Calibration', 'Gain', 'MULTIPLIERS', 'Row', 'of_drives', 'of_squares',
+    'slip_rows', 'table']
 
 CLOCKS = {'none': Clock.NONE, 'delay': Clock.DELAY, 'offsets': Clock.OFFSETS,
           'drifts': Clock.DRIFTS, 'auto': Clock.AUTO}
@@ -141,7 +142,7 @@ def of_drives(
         rows.append(Row('delay [s]', *fit.offsets[0]))
     elif clock != 'none':
         rows += _clock_rows(fit)
-    rows += [*_slip_rows(slip), *(Row(*row) for row in session_rows(sessions))]
+    rows += [*slip_rows(slip), *(Row(*row) for row in session_rows(sessions))]
     gains = (
         Gain('position error of windows, RMS [mm]', 1e3 * fit.before.position,
              1e3 * fit.after.position),
@@ -155,7 +156,7 @@ def of_drives(
         (fit, geometry, drives), body=slip.body, sessions=session_parameters(sessions))
 
 
-def _slip_rows(slip: SlipFit) -> List[Row]:
+def slip_rows(slip: SlipFit) -> List[Row]:
     """Return the slip of the wheels and that of the body, where that is, and the stamps' noise."""
     rows = [Row('slip variance k left [m]', *slip.k_left),
             Row('slip variance k right [m]', *slip.k_right)]

@@ -22,7 +22,8 @@ from diffdrive_kinematics.core.calibration import (
 from diffdrive_kinematics.core.commands import CommandResponse
 from diffdrive_kinematics.core.kinematics import WheelGeometry
 from diffdrive_kinematics.tools.calibration import (
-    Calibration, Gain, MULTIPLIERS, of_drives, Row)
+    Calibration, Gain, MULTIPLIERS, of_drives, Row, slip_rows)
+from diffdrive_kinematics.tools.calibration_remarks import slip_remark
 from diffdrive_kinematics.tools.recordings import nobody
 
 __all__ = ['of_commands', 'of_recordings', 'response_parameters']
@@ -68,8 +69,7 @@ def of_commands(
         for name, value in parameters.items() if not isinstance(value, list)]
     rows += [Row(f'response_shares at {curvature:.3g}/m [1]', share, None)
              for curvature, share in zip(fit.response.curvatures, fit.response.shares)]
-    rows += [Row('slip variance k left [m]', *slip.k_left),
-             Row('slip variance k right [m]', *slip.k_right)]
+    rows += slip_rows(slip)
     gains, chosen = fit.prediction('gains'), fit.prediction()
     seconds = sum(float(drive.time[-1] - drive.time[0]) for drive in drives)
     forms = ', '.join(f'{each.form} {1e3 * each.position:.1f}' for each in fit.predictions)
@@ -79,8 +79,9 @@ def of_commands(
          Gain('heading after 10 s, median [mrad]', 1e3 * gains.heading, 1e3 * chosen.heading)),
         (f'{len(drives)} drives, {seconds:.1f} s, form: {fit.form}',
          'errors are those of quarters of the drives that were not fitted; position [mm] by form: '
-         + forms),
-        (fit, geometry, drives), ('gains, delay', 'response'), response=parameters)
+         + forms, slip_remark(slip)),
+        (fit, geometry, drives), ('gains, delay', 'response'), body=slip.body,
+        response=parameters)
 
 
 def response_parameters(response: CommandResponse) -> Dict[str, Any]:

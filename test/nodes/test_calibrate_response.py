@@ -26,15 +26,21 @@ import yaml
 
 GEOMETRY = WheelGeometry(0.3, 0.05)
 TRUTH = CommandResponse(0.2, 0.5, speed_gain=1.03, turn_loss=0.18, yaw_rate_gain=0.95, delay=0.2)
+TURN_SLIP = 1e-4  # [rad]
 
 
 def recording(path):
-    """Write commands, and where the robot is, 0.05 s apart."""
-    generator, stamps = np.random.default_rng(1), np.arange(0.0, 120.0, 0.2)
-    change = np.repeat(generator.uniform(-1.0, 1.0, (60, 2)), 10, axis=0)
+    """Write commands, and where a robot is whose body slips where it turns, 0.2 s apart."""
+    generator, stamps = np.random.default_rng(1), np.arange(0.0, 90.0, 0.2)
+    change = np.repeat(generator.uniform(-1.0, 1.0, (45, 2)), 10, axis=0)
     commands = np.stack([0.15 + 0.05 * change[:, 0], 0.5 * change[:, 1]], axis=1)
-    bare = drive_from_commands(stamps, commands, stamps, np.zeros((600, 3)), geometry=GEOMETRY)
-    poses = odometry_at(GEOMETRY, responded(GEOMETRY, bare, TRUTH), CalibrationParameters())
+    bare = drive_from_commands(stamps, commands, stamps, np.zeros((450, 3)), geometry=GEOMETRY)
+    moved = responded(GEOMETRY, bare, TRUTH)
+    ratio = GEOMETRY.separation / GEOMETRY.wheel_radius
+    turns = np.diff(moved.angles, axis=0) @ [-1.0, 1.0] / ratio
+    slip = np.cumsum(np.sqrt(TURN_SLIP * np.abs(turns)) * generator.standard_normal(449))
+    moved.angles[1:] += 0.5 * ratio * slip[:, None] * [-1.0, 1.0]
+    poses = odometry_at(GEOMETRY, moved, CalibrationParameters())
     np.savetxt(path, np.column_stack([stamps, commands, poses]), delimiter=',', comments='',
                header='time_sec,linear_x,angular_z,x,y,yaw')
     return str(path)
@@ -50,7 +56,7 @@ def calibrate(graph, directory, *settings):
     return process
 
 
-def test_the_response_that_is_written_is_that_of_the_robot(graph, tmp_path):
+def test_the_response_and_the_slip_that_are_written_are_those_of_the_robot(graph, tmp_path):
     process = calibrate(
         graph, tmp_path, f"recordings:=[{recording(tmp_path / 'drive.csv')}]")
     assert process.wait() == 0, process.output
@@ -63,6 +69,10 @@ def test_the_response_that_is_written_is_that_of_the_robot(graph, tmp_path):
         **{entry.name: entry.default for entry in DIFF_DRIVE_CONTROLLER}, **found})
     for name in ('speed_gain', 'yaw_rate_gain', 'veer', 'turn_loss', 'delay'):
         assert getattr(response, name) == pytest.approx(getattr(TRUTH, name), abs=0.02), name
+    slip = sections['/**']['ros__parameters']
+    assert 0.5 * TURN_SLIP < slip['turn_slip_variance'] < 2.0 * TURN_SLIP
+    assert sections['/**/ground_truth']['ros__parameters']['turn_slip_variance'] == 0.0
+    assert 'turn slip variance k_t [rad]' in process.output
     assert (tmp_path / 'found.svg').exists()
 
 
