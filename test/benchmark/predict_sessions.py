@@ -58,6 +58,18 @@ def nees(geometry, drives, own, k, noise, length, spread):
     return float(np.mean(np.concatenate(found)))
 
 
+def of_session(found, name, geometry, k):
+    """Return frame and clocks of a session, its noise, and the spread between the others."""
+    rest = [drives for other, drives in found.items() if other != name]
+    pooled = fit_trajectory(ENCODERS, [drive for drives in rest for drive in drives])
+    between = fit_sessions(ENCODERS, rest, pooled, clock=Clock.AUTO)
+    own = fit_trajectory(geometry, found[name], wheels=False)
+    short = [window for number, drive in enumerate(found[name]) for window in slip_windows(
+        geometry, drive, own.systematic(number), SHORT, SHORT + 0.1)]
+    return own, fit_reference_noise(short, k, k).noise, np.array(
+        [between.scale.value, between.separation.value, between.curvature.value])
+
+
 def main():
     """Print a line for each session that is predicted."""
     if len(sys.argv) != 2:
@@ -70,15 +82,7 @@ def main():
     k, geometry = slip.k_left.value, fit.corrected(ENCODERS)
     print(f'{first}: {slip.terms}, k {k:.2e} +- {slip.k_left.error:.1e} m, {slip.noise}')
     for name in others:
-        rest = [drives for other, drives in found.items() if other != name]
-        pooled = fit_trajectory(ENCODERS, [drive for drives in rest for drive in drives])
-        between = fit_sessions(ENCODERS, rest, pooled, clock=Clock.AUTO)
-        spread = np.array([between.scale.value, between.separation.value,
-                           between.curvature.value])
-        own = fit_trajectory(geometry, found[name], wheels=False)
-        short = [window for number, drive in enumerate(found[name]) for window in slip_windows(
-            geometry, drive, own.systematic(number), SHORT, SHORT + 0.1)]
-        noise = fit_reference_noise(short, k, k).noise
+        own, noise, spread = of_session(found, name, geometry, k)
         for what, size in (('without', 0.0), ('with', 1.0)):
             print(f'{name}, {what} session terms {spread}:', ', '.join(
                 f'{nees(geometry, found[name], own, k, noise, length, size * spread):.2f}'
