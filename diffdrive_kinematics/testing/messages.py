@@ -58,6 +58,7 @@ class RecordedMessages(InFlightMessages):
         self._late: List[Tuple[int, int, Callable[[], None]]] = []
         self._number = count()
         self._made: List[str] = []
+        self._own: Dict[str, List['Counter[bytes]']] = defaultdict(list)  # on the way, by listener
 
     def listeners_made(self) -> List[str]:
         """Return the topics of the subscriptions that were made since the last call."""
@@ -69,16 +70,31 @@ class RecordedMessages(InFlightMessages):
         first = not self._listeners[topic]
         self._made.append(topic)
         counting = super().counted(topic, callback)
+        own: 'Counter[bytes]' = Counter()
+        self._own[topic].append(own)
 
         def hear(*message: Any) -> None:
-            if self._owners.get(topic):  # kept where it was sent
+            data = _bytes_of(message[0])
+            if own[data] > 0:  # kept where it was sent
+                own[data] -= 1
                 return counting(*message)
             if first:
                 self.arrived[topic] += 1
-                self._keep(topic, message[0])
-            self._hand_on(topic, lambda: counting(*message))
+                self._keep(topic, data)
+            self._hand_on(topic, lambda: hand_on(message))
+
+        def hand_on(message: Any) -> None:
+            self._in_flight[topic] += 1  # it was not counted as sent
+            counting(*message)
 
         return hear
+
+    def forget(self) -> None:
+        """Start counting anew: what was lost on its way will not come."""
+        super().forget()
+        for listeners in self._own.values():
+            for own in listeners:
+                own.clear()
 
     def count_sent(self, publisher: Publisher, node: str) -> None:
         """Count and keep what a publisher sends from now on."""
@@ -87,9 +103,14 @@ class RecordedMessages(InFlightMessages):
         self._types[topic] = publisher.msg_type
 
         def publish(message: Any) -> None:
-            data = self._keep(topic, message)  # nodes use their messages again
+            data = self._keep(topic, _bytes_of(message))  # nodes use their messages again
             late = topic in self._delays
-            self._hand_on(topic, lambda: counted(data if late else message))
+            self._hand_on(topic, lambda: send(data, data if late else message))
+
+        def send(data: bytes, message: Any) -> None:
+            for own in self._own[topic]:
+                own[data] += 1
+            counted(message)
 
         publisher.publish = publish
 
@@ -140,8 +161,7 @@ class RecordedMessages(InFlightMessages):
         """Let what is late come as late as it would have."""
         self._late = [(due + step_ns, number, send) for due, number, send in self._late]
 
-    def _keep(self, topic: str, message: Any) -> bytes:
-        data: bytes = message if isinstance(message, bytes) else serialize_message(message)
+    def _keep(self, topic: str, data: bytes) -> bytes:
         self._kept[topic].append((self._clock.now_ns(), data))
         return data
 
@@ -154,3 +174,8 @@ class RecordedMessages(InFlightMessages):
             heappush(self._late, (self._clock.now_ns() + delay_ns, next(self._number), send))
         else:
             send()
+
+
+def _bytes_of(message: Any) -> bytes:
+    data: bytes = message if isinstance(message, bytes) else serialize_message(message)
+    return data

@@ -57,6 +57,7 @@ class Robot:
             clock_step: Optional[float] = None) -> None:
         made = composition(config, params or {}, noise or {}, clock_step)
         self._publishers: 'dict[str, Any]' = {}
+        self._clients: 'dict[str, Any]' = {}
         self._processes: List[Process] = []
         self._nodes = RobotNodes(made)
         self._guardian = Guardian()
@@ -116,6 +117,17 @@ class Robot:
         if not self._publishers[name].wait_for_all_acked(Duration(seconds=HEARD_S)):
             raise AssertionError(f'who listens to {topic!r} did not get a message in {HEARD_S} s')
         self._stepping.deliver()
+
+    def call(self, service_type: Any, name: str, request: Any) -> Any:
+        """Call a service and return its response; it is answered before time goes on."""
+        if name not in self._clients:
+            self._clients[name] = self._observer.create_client(service_type, name)
+        client = self._clients[name]
+        self._stepping.wait(client.service_is_ready, f'offer the service {name!r}', [])
+        future = client.call_async(request)
+        self._stepping.wait(future.done, f'answer the call of {name!r}', [])
+        self._stepping.deliver()
+        return future.result()
 
     def drive(self, v: float, w: float, seconds: float) -> None:
         """Publish a command [m/s, rad/s] in every step for some simulated seconds."""

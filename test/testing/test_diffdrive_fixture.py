@@ -22,6 +22,8 @@ from diffdrive_kinematics.testing import stepping
 from diffdrive_kinematics.testing.processes import ProcessFailed
 from geometry_msgs.msg import PoseStamped, Twist
 import pytest
+from std_srvs.srv import Trigger
+from support.graph import twist
 from support.planners import NOISE, ROBOT
 
 pytestmark = pytest.mark.ros
@@ -165,6 +167,27 @@ def test_what_nobody_listens_to_is_said(diffdrive, monkeypatch):
         robot.publish('goal_pose', PoseStamped())
     with pytest.raises(KeyError, match='scan'):
         robot.history('scan')
+
+
+def test_what_a_process_says_is_kept_also_where_the_test_or_the_robot_says_something(
+        diffdrive, files):
+    robot = diffdrive(params=ROBOT)
+    robot.drive(0.3, 0.0, 0.1)  # from here on the test publishes cmd_vel, too
+    robot.start_process([sys.executable, files / 'in_lockstep.py'], lockstep=True)
+    begun = len(robot.history('cmd_vel'))
+    for _ in range(5):
+        robot.publish('cmd_vel', twist(0.3, 0.0))
+        robot.advance(0.2, wait_for='cmd_vel')
+    said = [each.message.linear.x for each in robot.history('cmd_vel')][begun:]
+    assert said.count(0.3) == 5 and said.count(0.0) == 50 and len(said) == 55
+
+
+def test_a_service_of_a_node_is_called(diffdrive):
+    robot = diffdrive(params=ROBOT)
+    robot.drive(0.2, 0.0, 0.5)
+    assert robot.call(Trigger, 'simulated_base/reset', Trigger.Request()).success
+    robot.advance(0.1)
+    assert robot.odom.x < 0.05 < robot.truth.x
 
 
 def test_a_topic_of_others_is_kept_when_it_is_listened_to(diffdrive):
