@@ -81,9 +81,9 @@ def composition(
     if noise and not any(member.kind == 'wheel_noise' for member in members):
         raise ValueError(f'noise is {dict(noise)!r}, expected a wheel_noise among the nodes')
     ordered = {'/**': sections.pop('/**'), **sections}  # a later one would beat the others
-    return Composition(members, round(values['clock_step'] * 1e9), yaml.safe_dump(
+    return Composition(members, round(values['clock_step'] * 1e9), yaml.dump(
         {name: {PARAMETERS: section} for name, section in ordered.items() if section},
-        sort_keys=False))
+        Dumper=_WithoutAliases, sort_keys=False))
 
 
 def _read(config: Union[str, Path, Sections, None]) -> Dict[str, Dict[str, Any]]:
@@ -93,3 +93,10 @@ def _read(config: Union[str, Path, Sections, None]) -> Dict[str, Dict[str, Any]]
     if isinstance(config, (str, Path)):
         config = yaml.safe_load(Path(config).read_text(encoding='utf-8'))
     return {name: dict(section.get(PARAMETERS, section)) for name, section in config.items()}
+
+
+class _WithoutAliases(yaml.SafeDumper):
+    """Writes a list again where it stands in two sections: rcl reads no alias."""
+
+    def ignore_aliases(self, data: Any) -> bool:
+        return True

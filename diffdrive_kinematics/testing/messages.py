@@ -20,6 +20,7 @@ from itertools import count
 import random
 from typing import Any, Callable, Dict, List, NamedTuple, Tuple
 
+from diffdrive_kinematics.ros.messages.tf_message_type import tf_message_type
 from diffdrive_kinematics.ros.runtime.clocks import SteppedClock
 from diffdrive_kinematics.ros.runtime.in_flight_messages import InFlightMessages
 from rclpy.node import Node
@@ -52,12 +53,14 @@ class RecordedMessages(InFlightMessages):
         self._clock = clock
         self._types: Dict[str, type] = {}
         self._kept: Dict[str, List[Tuple[int, bytes]]] = defaultdict(list)
+        self._read: Dict[str, List[Recorded]] = defaultdict(list)  # of them, what was asked for
         self.arrived: 'Counter[str]' = Counter()  # from other processes
         self._losses: Dict[str, Tuple[float, random.Random]] = {}
         self._delays: Dict[str, int] = {}
         self._late: List[Tuple[int, int, Callable[[], None]]] = []
         self._number = count()
         self._made: List[str] = []
+        self.count_publishers: Callable[[str], int] = lambda topic: 0  # in the graph
         self._own: Dict[str, List['Counter[bytes]']] = defaultdict(list)  # on the way, by listener
 
     def listeners_made(self) -> List[str]:
@@ -74,13 +77,11 @@ class RecordedMessages(InFlightMessages):
         self._own[topic].append(own)
 
         def hear(*message: Any) -> None:
-            data = _bytes_of(message[0])
-            if own[data] > 0:  # kept where it was sent
-                own[data] -= 1
+            if self._take_own(topic, own, message[0]):  # kept where it was sent
                 return counting(*message)
             if first:
                 self.arrived[topic] += 1
-                self._keep(topic, data)
+                self._keep(topic, _bytes_of(message[0]))
             self._hand_on(topic, lambda: hand_on(message))
 
         def hand_on(message: Any) -> None:
@@ -104,13 +105,12 @@ class RecordedMessages(InFlightMessages):
 
         def publish(message: Any) -> None:
             data = self._keep(topic, _bytes_of(message))  # nodes use their messages again
-            late = topic in self._delays
-            self._hand_on(topic, lambda: send(data, data if late else message))
+            self._hand_on(topic, lambda: send(data))
 
-        def send(data: bytes, message: Any) -> None:
+        def send(data: bytes) -> None:
             for own in self._own[topic]:
                 own[data] += 1
-            counted(message)
+            counted(data)
 
         publisher.publish = publish
 
@@ -134,8 +134,12 @@ class RecordedMessages(InFlightMessages):
         if topic not in self._types:
             raise KeyError(f'the topic {topic!r} is not kept, expected one of '
                            f'{sorted(self._types)}, or one of robot.listen(type, topic)')
-        return [Recorded(time_ns / 1e9, deserialize_message(data, self._types[topic]))
-                for time_ns, data in self._kept[topic]]
+        kind = self._types[topic]
+        made = kind is tf_message_type()  # for lack of tf2_msgs: it carries bytes only
+        read, kept = self._read[topic], self._kept[topic]
+        read += [Recorded(time_ns / 1e9, data if made else deserialize_message(data, kind))
+                 for time_ns, data in kept[len(read):]]
+        return list(read)
 
     def lose(self, topic: str, share: float, seed: int) -> None:
         """Lose a share of what is sent on a topic from now on."""
@@ -160,6 +164,29 @@ class RecordedMessages(InFlightMessages):
     def clock_stepped(self, step_ns: int) -> None:
         """Let what is late come as late as it would have."""
         self._late = [(due + step_ns, number, send) for due, number, send in self._late]
+
+    def _take_own(self, topic: str, own: 'Counter[bytes]', message: Any) -> bool:
+        """Return whether a message is one that was sent here, and wait for it no more."""
+        if not own:
+            return False
+        if self._only_own(topic):
+            data = next(iter(own))
+        elif isinstance(message, bytes):
+            data = message
+        else:
+            data = next((each for each in own if repr(
+                deserialize_message(each, self._types[topic])) == repr(message)), b'')
+        if data not in own:
+            return False
+        own[data] -= 1
+        if not own[data]:
+            del own[data]
+        return True
+
+    def _only_own(self, topic: str) -> bool:
+        """Return whether nobody else in the graph publishes a topic."""
+        return self.count_publishers(topic) <= sum(
+            each.topic_name == topic for each in self.publishers)
 
     def _keep(self, topic: str, data: bytes) -> bytes:
         self._kept[topic].append((self._clock.now_ns(), data))

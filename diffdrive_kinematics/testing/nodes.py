@@ -87,6 +87,7 @@ class RobotNodes:
         self.observer = rclpy.create_node(
             'diffdrive_test', context=self._context, use_global_arguments=False,
             start_parameter_services=False)
+        self.messages.count_publishers = self.observer.count_publishers
         self.executor = make_executor([self.observer])
         for member in self._members.values():
             self._add(member)

@@ -27,6 +27,7 @@ from rclpy.parameter import Parameter
 from sensor_msgs.msg import JointState
 from support.graph import KHEPERA, set_stamp
 from support.inside import inside
+from support.stepped import refusal
 
 PLANAR = np.ix_([0, 1, 5], [0, 1, 5])
 JOINTS = ['left_wheel_joint', 'right_wheel_joint']
@@ -129,15 +130,15 @@ def test_slip_of_the_body_that_is_set_while_it_drives_counts_from_then_on():
             0.04 * 5.0 * RADIUS, rel=1e-6)
 
 
+@pytest.mark.ros
 @pytest.mark.parametrize('name', ['turn_slip_variance', 'heading_slip_variance'])
-def test_a_body_that_turns_too_much_asks_for_the_separation(graph, name):
-    noise = graph.start('wheel_noise', {'wheel_radius': 0.02, name: 0.01})
-    assert noise.wait() == 2
-    assert 'wheel_separation is nan, expected the distance [m]' in noise.output
-    assert f'as {name} is 0.01' in noise.output
+def test_a_body_that_turns_too_much_asks_for_the_separation(diffdrive, name):
+    refused = refusal(diffdrive, 'wheel_noise', {'wheel_radius': 0.02, name: 0.01})
+    assert 'wheel_separation is nan, expected the distance [m]' in refused
+    assert f'as {name} is 0.01' in refused
 
 
-def test_a_negative_variance_is_refused_by_its_parameter(graph):
-    base = graph.start('simulated_base', {**KHEPERA, 'turn_slip_variance': -0.01})
-    assert base.wait() == 2
-    assert 'turn_slip_variance is -0.01, expected a finite number from 0 to 1000' in base.output
+@pytest.mark.ros
+def test_a_negative_variance_is_refused_by_its_parameter(diffdrive):
+    assert 'turn_slip_variance is -0.01, expected a finite number from 0 to 1000' in refusal(
+        diffdrive, 'simulated_base', {**KHEPERA, 'turn_slip_variance': -0.01})

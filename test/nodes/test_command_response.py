@@ -24,42 +24,37 @@ from diffdrive_kinematics.ros.parameters.tables import DIFF_DRIVE_CONTROLLER, WH
 import pytest
 from support.graph import KHEPERA
 from support.inside import inside
-from support.true_run import driven, robot_with_truth
+from support.true_run import driven
 
 RESPONSE = {
     'response_max_speed': 0.5, 'response_max_yaw_rate': 2.0, 'response_speed_gain': 1.03,
     'response_yaw_rate_gain': 0.9, 'response_veer': 0.1, 'response_turn_loss': 0.18,
     'response_curvatures': [0.0, 0.1], 'response_shares': [0.95, 1.0], 'response_delay': 0.25}
-SIDE = [0.2, 0.0, 5.0, 0.1, math.pi / 8.0, 4.0]  # times on the grid of the clock
+SIDE = [(0.2, 0.0, 5.0), (0.1, math.pi / 8.0, 4.0)]  # times on the grid of the clock
 BIAS = {'left_bias': 0.001, 'right_bias': -0.001}
 
 
-def end_of(graph, tmp_path, noise, controller):
+def end_of(diffdrive, noise, controller):
     """Drive a square with round corners; return where the robot is at its end."""
-    last = driven(graph, tmp_path / 'run.yaml', robot_with_truth(
-        [*(4 * SIDE), 0.0, 0.0, 2.0], 0.05, wheel_noise=noise, diff_drive_controller=controller))
-
-    def arrived():  # what the process said last may be read after its end
-        truth = last['ground_truth']
-        return truth.pose.pose.position.x != 0.0 and truth.twist.twist.linear.x == 0.0
-
-    graph.wait_for(arrived, 'the rest after the course')
-    position = last['ground_truth'].pose.pose.position
-    return position.x, position.y
+    _, truth = driven(
+        diffdrive, 4 * SIDE, 0.05, wheel_noise=noise, diff_drive_controller=controller)
+    return truth.pose.pose.position.x, truth.pose.pose.position.y
 
 
-def test_without_slip_the_inverse_drives_the_square_that_was_wanted(graph, tmp_path):
-    wanted = end_of(graph, tmp_path, {}, {})
+@pytest.mark.ros
+def test_without_slip_the_inverse_drives_the_square_that_was_wanted(diffdrive):
+    wanted = end_of(diffdrive, {}, {})
     assert math.hypot(*wanted) < 1e-6
-    assert math.hypot(*end_of(graph, tmp_path, RESPONSE, {})) > 0.05
-    inverse = end_of(graph, tmp_path, RESPONSE, {**RESPONSE, 'use_response': True})
+    assert math.hypot(*end_of(diffdrive, RESPONSE, {})) > 0.05
+    inverse = end_of(diffdrive, RESPONSE, {**RESPONSE, 'use_response': True})
     assert math.dist(inverse, wanted) < 1e-6
 
 
-def test_a_commanded_robot_that_is_known_errs_as_one_with_encoders(graph, tmp_path):
-    encoders = math.hypot(*end_of(graph, tmp_path, BIAS, {}))
+@pytest.mark.ros
+def test_a_commanded_robot_that_is_known_errs_as_one_with_encoders(diffdrive):
+    encoders = math.hypot(*end_of(diffdrive, BIAS, {}))
     known = math.hypot(*end_of(
-        graph, tmp_path, {**BIAS, **RESPONSE}, {**RESPONSE, 'use_response': True}))
+        diffdrive, {**BIAS, **RESPONSE}, {**RESPONSE, 'use_response': True}))
     assert known == pytest.approx(encoders, rel=0.2)
 
 

@@ -28,6 +28,9 @@ import pytest
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState
 from support.graph import JOINTS, KHEPERA, set_stamp, stamp_ns
+from support.stepped import nodes, tell_wheels
+
+pytestmark = pytest.mark.ros
 
 SETTINGS = {
     **KHEPERA, 'left_slip_variance': 2e-5, 'right_slip_variance': 1e-5, 'publish_rate': 20.0,
@@ -38,6 +41,17 @@ START = (3.0, -2.0, 2.5)
 TOLERANCE = 1e-6  # m: float32 at a few metres
 
 
+def odometry_at(start):
+    """Return the odometry of a pose."""
+    odometry = Odometry()
+    odometry.header.frame_id = 'odom'
+    set_stamp(odometry, 7_000_000_001)
+    odometry.pose.pose.position.x, odometry.pose.pose.position.y = start[:2]
+    odometry.pose.pose.orientation.z = math.sin(0.5 * start[2])
+    odometry.pose.pose.orientation.w = math.cos(0.5 * start[2])
+    return odometry
+
+
 def tell(graph, start=START, rates=((6.0, 9.0),)):
     """Tell where the robot is and what its wheels do; return the publisher of odometry."""
     wheels = graph.publisher(JointState, 'wheel_rates')
@@ -46,13 +60,7 @@ def tell(graph, start=START, rates=((6.0, 9.0),)):
         set_stamp(message, graph.now_ns())
         message.velocity = list(pair)
         wheels.publish(message)
-    odometry = Odometry()
-    odometry.header.frame_id = 'odom'
-    set_stamp(odometry, 7_000_000_001)
-    odometry.pose.pose.position.x, odometry.pose.pose.position.y = start[:2]
-    odometry.pose.pose.orientation.z = math.sin(0.5 * start[2])
-    odometry.pose.pose.orientation.w = math.cos(0.5 * start[2])
-    return graph.publisher(Odometry, 'odom'), odometry
+    return graph.publisher(Odometry, 'odom'), odometry_at(start)
 
 
 def project(graph, settings, until, **told):
@@ -68,6 +76,19 @@ def project(graph, settings, until, **told):
 
     graph.wait_for(arrived, 'projections')
     return poses, boundaries, process
+
+
+def projected(diffdrive, settings, seconds=0.1, start=START, rates=(6.0, 9.0)):
+    """Project on stepped time; return the robot, and what it has published for each odometry."""
+    robot = diffdrive(nodes('forward_projection'), params=settings)
+    for kind, topic in ((PoseArray, 'projected_poses'), (PolygonStamped, 'projected_boundary')):
+        robot.listen(kind, topic)
+    tell_wheels(robot, velocity=rates)
+    for _ in range(round(seconds / 0.05)):
+        robot.publish('odom', odometry_at(start))
+        robot.advance(0.06)
+    return robot, *([each.message for each in robot.history(topic)] for topic in (
+        'projected_poses', 'projected_boundary'))
 
 
 def positions(message):
@@ -114,28 +135,37 @@ def both(poses, boundaries):
     {}, {'stages': 5}, {'slip_distribution': 'triangular', 'stages': 3},
     {'slip_distribution': 'truncated_gaussian'}, {'left_slip_variance': 2e-3, 'stages': 2},
     {'rates': (5.0, 5.0)}, {'rates': (-4.0, -5.0), 'stages': 4},
-    {'rates': (0.0, 9.0), 'stages': 25}, {'executor': 'single_threaded'}, BODY],
+    {'rates': (0.0, 9.0), 'stages': 25}, BODY],
     ids=['uniform', 'stages', 'triangular', 'truncated', 'large', 'straight', 'reverse', 'pivot',
-         'executor', 'body'])
-def test_the_published_boundary_contains_every_published_sample(graph, changes):
+         'body'])
+def test_the_published_boundary_contains_every_published_sample(diffdrive, changes):
     settings = {**SETTINGS, **changes}
     rates = settings.pop('rates', (6.0, 9.0))
-    poses, boundaries, _ = project(graph, settings, both, rates=(rates,))
+    _, poses, boundaries = projected(diffdrive, settings, rates=rates)
     assert len(poses[-1].poses) == 20_000
     assert furthest_outside(positions(poses[-1]), vertices(boundaries[-1])) <= TOLERANCE
 
 
-def test_the_boundary_is_no_wider_than_what_samples_reach(graph):
-    poses, boundaries, _ = project(graph, SETTINGS, both)
+@pytest.mark.parametrize('executor', ['events', 'single_threaded'])
+def test_a_worker_beside_each_executor_projects_the_same_as_one_in_place(
+        graph, diffdrive, executor):
+    poses, boundaries, _ = project(graph, {**SETTINGS, 'executor': executor}, both)
+    assert furthest_outside(positions(poses[-1]), vertices(boundaries[-1])) <= TOLERANCE
+    _, in_place, around = projected(diffdrive, SETTINGS)
+    assert np.array_equal(positions(poses[-1]), positions(in_place[-1]))
+    assert np.array_equal(vertices(boundaries[-1]), vertices(around[-1]))
+
+
+def test_the_boundary_is_no_wider_than_what_samples_reach(diffdrive):
+    _, poses, boundaries = projected(diffdrive, SETTINGS)
     points, polygon = positions(poses[-1]), vertices(boundaries[-1])
     assert np.all(np.ptp(points, axis=0) > 0.9 * np.ptp(polygon, axis=0))
 
 
-@pytest.mark.quick
-def test_projections_have_the_stamp_and_frame_of_the_odometry_and_start_from_its_pose(graph):
-    poses, boundaries, _ = project(
-        graph, {**KHEPERA, 'publish_rate': 20.0, 'command_timeout': 0.0, 'samples': 3,
-                'horizon': 4.0}, both, rates=((5.0, 5.0),))
+def test_projections_have_the_stamp_and_frame_of_the_odometry_and_start_from_its_pose(diffdrive):
+    _, poses, boundaries = projected(
+        diffdrive, {**KHEPERA, 'publish_rate': 20.0, 'command_timeout': 0.0, 'samples': 3,
+                    'horizon': 4.0}, rates=(5.0, 5.0))
     for message in (poses[-1], boundaries[-1]):
         assert (message.header.frame_id, stamp_ns(message)) == ('odom', 7_000_000_001)
     distance = 5.0 * KHEPERA['wheel_radius'] * 4.0
@@ -146,37 +176,36 @@ def test_projections_have_the_stamp_and_frame_of_the_odometry_and_start_from_its
     assert np.mean(vertices(boundaries[-1]), axis=0) == pytest.approx(expected, abs=1e-5)
 
 
-def test_unbounded_slip_has_samples_and_no_boundary_and_says_so(graph):
-    poses, boundaries, process = project(
-        graph, {**SETTINGS, 'slip_distribution': 'gaussian', 'samples': 50},
-        lambda poses, _: len(poses) > 3)
-    assert not boundaries
-    assert process.output.count('no boundary is published') == 1
-    assert 'refused' not in process.output
+def test_unbounded_slip_has_samples_and_no_boundary_and_says_so(diffdrive, capfd):
+    _, poses, boundaries = projected(
+        diffdrive, {**SETTINGS, 'slip_distribution': 'gaussian', 'samples': 50}, 0.3)
+    assert len(poses) > 3 and not boundaries
+    output = capfd.readouterr().err
+    assert output.count('no boundary is published') == 1
+    assert 'refused' not in output
 
 
-def test_the_same_seed_gives_the_same_samples_every_time(graph):
-    poses, _, _ = project(graph, {**SETTINGS, 'samples': 50}, lambda poses, _: len(poses) > 3)
-    assert np.array_equal(positions(poses[0]), positions(poses[-1]))
+def test_the_same_seed_gives_the_same_samples_every_time(diffdrive):
+    _, poses, _ = projected(diffdrive, {**SETTINGS, 'samples': 50}, 0.3)
+    assert len(poses) > 3 and np.array_equal(positions(poses[0]), positions(poses[-1]))
 
 
-def test_a_robot_whose_wheels_have_fallen_silent_stays_where_it_is(graph):
-    poses, _, _ = project(
-        graph, {**SETTINGS, 'samples': 5, 'command_timeout': 0.1},
-        lambda poses, _: poses and np.ptp(positions(poses[-1])[:, 0]) == 0.0)
+def test_a_robot_whose_wheels_have_fallen_silent_stays_where_it_is(diffdrive):
+    _, poses, _ = projected(
+        diffdrive, {**SETTINGS, 'samples': 5, 'command_timeout': 0.1}, 0.5)
+    assert np.ptp(positions(poses[0])[:, 0]) > 0.0
     assert positions(poses[-1]) == pytest.approx(np.array([START[:2]] * 5), abs=1e-9)
 
 
-def test_an_odometry_that_is_not_finite_is_refused_and_the_next_is_projected(graph):
-    poses, _, process = project(graph, {**SETTINGS, 'samples': 5}, lambda poses, _: poses)
-    bad = Odometry()
-    bad.pose.pose.position.x = math.nan
-    publisher = graph.publisher(Odometry, 'odom')
-    publisher.publish(bad)
-    graph.wait_for(lambda: "refused message on 'odom'" in process.output, 'the refusal')
-    bad.pose.pose.position.x, bad.pose.pose.orientation.w = 9.0, 1.0
-    publisher.publish(bad)
-    graph.wait_for(lambda: poses[-1].poses[0].position.x > 8.0, 'the next')
+def test_an_odometry_that_is_not_finite_is_refused_and_the_next_is_projected(diffdrive, capfd):
+    robot, poses, _ = projected(diffdrive, {**SETTINGS, 'samples': 5})
+    assert poses
+    robot.publish('odom', odometry_at((math.nan, 0.0, 0.0)))
+    robot.advance(0.1)
+    assert "refused message on 'odom'" in capfd.readouterr().err
+    robot.publish('odom', odometry_at((9.0, 0.0, 0.0)))
+    robot.advance(0.1)
+    assert robot.history('projected_poses')[-1].message.poses[0].position.x > 8.0
 
 
 def test_what_nobody_listens_to_starts_no_process(graph):

@@ -18,11 +18,14 @@ import math
 import re
 import signal
 
-from geometry_msgs.msg import PoseStamped, Twist, TwistStamped
+from geometry_msgs.msg import PoseStamped, Twist
 from nav_msgs.msg import Odometry, Path as PathMessage
 import pytest
 from sensor_msgs.msg import JointState
-from support.graph import CONFIG, KHEPERA, set_stamp, stamp_ns
+from support.graph import CONFIG, KHEPERA, pose_of, set_stamp, stamp_ns
+from support.stepped import last, nodes, refusal, time_ns
+
+pytestmark = pytest.mark.ros
 
 FAST = {'max_speed': 0.5, 'max_yaw_rate': 4.0}
 QUICK = {**FAST, 'distance_gain': 2.0, 'heading_gain': 6.0, 'publish_rate': 50.0}
@@ -38,22 +41,46 @@ def stamped_pose(x, y, theta=0.0, frame_id='odom'):
 
 
 class StandIn:
-    """Odometry of a robot that stands, published as long as somebody waits."""
+    """Odometry of a robot that stands, in every step of the clock, and what is made of it."""
 
-    def __init__(self, graph):
-        self.graph, self.frame_id, self.x = graph, 'odom', 0.0
-        self.publisher = graph.publisher(Odometry, 'odom')
+    def __init__(self, diffdrive, capfd, params, *others):
+        self.robot = diffdrive(nodes('goal_steering', *others), params=params)
+        self._capfd, self.output, self.frame_id = capfd, '', 'odom'
 
-    def until(self, condition, what):
-        def fed():
-            message = Odometry()
-            message.header.frame_id, message.pose.pose.position.x = self.frame_id, self.x
-            message.pose.pose.orientation.w = 1.0
-            set_stamp(message, self.graph.now_ns())
-            self.publisher.publish(message)
-            return condition()
+    def send(self, goal):
+        self.robot.publish('goal_pose', goal)
 
-        return self.graph.wait_for(fed, what)
+    def tell(self, at_ns=None):
+        message = Odometry()
+        message.header.frame_id = self.frame_id
+        message.pose.pose.orientation.w = 1.0
+        set_stamp(message, time_ns(self.robot) if at_ns is None else at_ns)
+        self.robot.publish('odom', message)
+
+    def until(self, condition, tell=True):
+        """Let time pass until a condition holds."""
+        def held():
+            self.output += self._capfd.readouterr().err
+            return condition() or (tell and self.tell())
+
+        self.robot.advance_until(held, timeout=10.0)
+
+    def speed(self):
+        """Return the forward speed that was commanded last."""
+        message = last(self.robot, 'cmd_vel')
+        return getattr(message, 'twist', message).linear.x
+
+    def commanded(self):
+        return self.robot.history('cmd_vel') and self.speed()
+
+    def stopped(self):
+        return self.speed() == 0.0
+
+
+@pytest.fixture
+def stand_in(diffdrive, capfd):
+    """Return what makes a stand-in, by the parameters of the steering."""
+    return lambda *others, **params: StandIn(diffdrive, capfd, params, *others)
 
 
 def square(graph, settings):
@@ -92,46 +119,44 @@ def test_the_other_laws_drive_the_square_as_well(graph, law):
     assert output.count('arrived at the goal') == 4
 
 
-def robot(graph):
-    """Start a robot that obeys for ever, and return its odometry and wheel rates."""
-    graph.start('diff_drive_controller', {**KHEPERA, 'cmd_vel_timeout': 0.0})
-    graph.start('simulated_base', {
-        **KHEPERA, 'enable_odom_tf': False, 'command_timeout': 0.0})
-    odometry, rates = graph.collect(Odometry, 'odom'), graph.collect(JointState, 'wheel_rates')
-    graph.wait_for(lambda: odometry, 'odometry')
-    return odometry, rates
+def driven(diffdrive, topic, message, **settings):
+    """Let a robot that obeys for ever drive to something; return where it comes to rest."""
+    robot = diffdrive(
+        nodes('diff_drive_controller', 'simulated_base', 'goal_steering',
+              goal_steering={**QUICK, **settings}),
+        params={**KHEPERA, 'cmd_vel_timeout': 0.0, 'command_timeout': 0.0,
+                'enable_odom_tf': False})
+    robot.advance(0.1)
+    robot.publish(topic, message)
+    robot.advance_until(lambda: robot.odom.speed > 0.1, timeout=5.0)
+    robot.advance_until(
+        lambda: list(last(robot, 'wheel_rates').velocity) == [0.0, 0.0], timeout=20.0)
+    robot.advance(0.1)
+    assert robot.odom.speed == 0.0
+    return pose_of(last(robot, 'odom'))
 
 
-def test_a_goal_as_rviz_publishes_it_is_driven_to_and_the_robot_rests_there(graph):
-    odometry, rates = robot(graph)
-    steering = graph.start('goal_steering', QUICK)
-    graph.publisher(PoseStamped, 'goal_pose').publish(stamped_pose(0.2, 0.1, 1.0))
-    graph.wait_for(lambda: 'arrived at the goal' in steering.output, 'arrival')
-    graph.wait_for(lambda: list(rates[-1].velocity) == [0.0, 0.0], 'rest')
-    done = graph.now_ns()
-    pose = graph.wait_for(lambda: stamp_ns(odometry[-1]) > done and odometry[-1], 'odometry')
-    at = pose.pose.pose.position
-    assert math.hypot(at.x - 0.2, at.y - 0.1) <= 0.04  # what it goes on until it hears
-    assert abs(2.0 * math.asin(pose.pose.pose.orientation.z) - 1.0) <= 0.2
+def test_a_goal_as_rviz_publishes_it_is_driven_to_and_the_robot_rests_there(diffdrive, capfd):
+    pose = driven(diffdrive, 'goal_pose', stamped_pose(0.2, 0.1, 1.0))
+    assert 'arrived at the goal' in capfd.readouterr().err
+    assert math.hypot(pose.x - 0.2, pose.y - 0.1) <= 0.04  # what it goes on until it hears
+    assert abs(pose.theta - 1.0) <= 0.2
 
 
-def test_a_path_is_driven_to_its_end(graph):
-    odometry, rates = robot(graph)
-    steering = graph.start('goal_steering', {
-        **QUICK, 'lookahead': 0.05, 'enable_stamped_cmd_vel': False})
+def test_a_path_is_driven_to_its_end(diffdrive, capfd):
     message = PathMessage(poses=[stamped_pose(0.2, 0.0), stamped_pose(0.2, 0.2)])
     message.header.frame_id = 'odom'
-    graph.publisher(PathMessage, 'path').publish(message)
-    graph.wait_for(lambda: 'arrived at the path of 2 points' in steering.output, 'arrival')
-    graph.wait_for(lambda: list(rates[-1].velocity) == [0.0, 0.0], 'rest')
-    done = graph.now_ns()
-    pose = graph.wait_for(lambda: stamp_ns(odometry[-1]) > done and odometry[-1], 'odometry')
-    assert math.dist((pose.pose.pose.position.x, pose.pose.pose.position.y), (0.2, 0.2)) <= 0.04
+    pose = driven(diffdrive, 'path', message, lookahead=0.05, enable_stamped_cmd_vel=False)
+    assert 'arrived at the path of 2 points' in capfd.readouterr().err
+    assert math.dist(pose[:2], (0.2, 0.2)) <= 0.04
 
 
 @pytest.mark.parametrize('number', [signal.SIGINT, signal.SIGTERM])
 def test_a_signal_leaves_the_wheels_at_rest(graph, number):
-    _, rates = robot(graph)
+    graph.start('diff_drive_controller', {**KHEPERA, 'cmd_vel_timeout': 0.0})
+    graph.start('simulated_base', {
+        **KHEPERA, 'enable_odom_tf': False, 'command_timeout': 0.0})
+    rates = graph.collect(JointState, 'wheel_rates')
     steering = graph.start('goal_steering')
     graph.publisher(PoseStamped, 'goal_pose').publish(stamped_pose(50.0, 0.0))
     graph.wait_for(lambda: rates and any(rates[-1].velocity), 'the robot to drive')
@@ -139,73 +164,66 @@ def test_a_signal_leaves_the_wheels_at_rest(graph, number):
     graph.wait_for(lambda: list(rates[-1].velocity) == [0.0, 0.0], 'the last word')
 
 
-def test_silence_of_odometry_leaves_the_wheels_at_rest_until_it_is_back(graph):
-    graph.start('diff_drive_controller', {**KHEPERA, 'cmd_vel_timeout': 0.0})
-    steering = graph.start('goal_steering', {'odom_timeout': 0.3, 'patience': 60.0})
-    rates, stand_in = graph.collect(JointState, 'wheel_rates'), StandIn(graph)
-    graph.publisher(PoseStamped, 'goal_pose').publish(stamped_pose(1.0, 0.0))
-    stand_in.until(lambda: rates and any(rates[-1].velocity), 'the robot to drive')
-    graph.wait_for(lambda: list(rates[-1].velocity) == [0.0, 0.0], 'rest in silence')
+def test_silence_of_odometry_leaves_the_wheels_at_rest_until_it_is_back(stand_in):
+    steering = stand_in('diff_drive_controller', **KHEPERA, cmd_vel_timeout=0.0,
+                        odom_timeout=0.3, patience=60.0)
+
+    def turning():
+        return any(last(steering.robot, 'wheel_rates').velocity)
+
+    steering.send(stamped_pose(1.0, 0.0))
+    steering.until(turning)
+    silent = steering.robot.time
+    steering.until(lambda: not turning(), tell=False)
+    assert 0.28 < steering.robot.time - silent < 0.42  # and a period
     assert "no odometry on '/odom' for 0.3 s" in steering.output
-    stand_in.until(lambda: any(rates[-1].velocity), 'the robot to drive again')
+    steering.until(turning)
     assert 'odometry is back' in steering.output
 
 
-@pytest.mark.quick
-def test_odometry_of_one_stamp_is_as_good_as_none(graph):
-    steering = graph.start('goal_steering', {'odom_timeout': 0.3})
-    odometry = graph.publisher(Odometry, 'odom')
-    commands = graph.collect(Twist, 'cmd_vel')
-    graph.publisher(PoseStamped, 'goal_pose').publish(stamped_pose(1.0, 0.0))
-    message = Odometry()
-    message.header.frame_id, message.pose.pose.orientation.w = 'odom', 1.0
-    set_stamp(message, graph.now_ns())
-
-    def told_again():
-        odometry.publish(message)
-        return 'is to stand still' in steering.output
-
-    graph.wait_for(told_again, 'the timeout')
-    graph.wait_for(lambda: commands and commands[-1].linear.x == 0.0, 'zeros')
+def test_odometry_of_one_stamp_is_as_good_as_none(stand_in):
+    steering = stand_in(odom_timeout=0.3)
+    steering.robot.listen(Twist, 'cmd_vel')
+    steering.robot.advance(0.1)
+    steering.send(stamped_pose(1.0, 0.0))
+    steering.until(lambda: 'is to stand still' in steering.output or steering.tell(10**8),
+                   tell=False)
+    steering.until(steering.stopped, tell=False)
 
 
-def test_goals_of_another_frame_are_refused_and_end_where_odometry_gets_another(graph):
-    steering = graph.start('goal_steering', {'patience': 60.0, 'enable_stamped_cmd_vel': True})
-    stand_in, goals = StandIn(graph), graph.publisher(PoseStamped, 'goal_pose')
-    commands = graph.collect(TwistStamped, 'cmd_vel')
-    goals.publish(stamped_pose(1.0, 0.0))
-    stand_in.until(lambda: commands and commands[-1].twist.linear.x, 'the robot to drive')
-    goals.publish(stamped_pose(1.0, 0.0, frame_id='map'))
-    stand_in.until(lambda: "frame_id is 'map', expected 'odom'" in steering.output, 'refusal')
-    stand_in.frame_id = 'elsewhere'
-    stand_in.until(lambda: "odometry in 'elsewhere'" in steering.output, 'the end')
-    graph.wait_for(lambda: commands[-1].twist.linear.x == 0.0, 'rest')
-    assert commands[-1].header.frame_id == 'base_link'
+def test_goals_of_another_frame_are_refused_and_end_where_odometry_gets_another(stand_in):
+    steering = stand_in(patience=60.0, enable_stamped_cmd_vel=True)
+    steering.send(stamped_pose(1.0, 0.0))
+    steering.until(steering.commanded)
+    steering.send(stamped_pose(1.0, 0.0, frame_id='map'))
+    steering.until(lambda: "frame_id is 'map', expected 'odom'" in steering.output)
+    assert steering.speed() > 0.0
+    steering.frame_id = 'elsewhere'
+    steering.until(lambda: "odometry in 'elsewhere'" in steering.output)
+    steering.until(steering.stopped, tell=False)
+    assert last(steering.robot, 'cmd_vel').header.frame_id == 'base_link'
 
 
-def test_a_robot_that_comes_no_nearer_gives_up_and_says_so(graph):
-    steering = graph.start('goal_steering', {'patience': 0.5})
-    stand_in, commands = StandIn(graph), graph.collect(Twist, 'cmd_vel')
-    graph.publisher(PoseStamped, 'goal_pose').publish(stamped_pose(1.0, 0.0))
-    stand_in.until(lambda: 'came no nearer for 0.5 s, 1.000 m before it' in steering.output,
-                   'the end')
-    graph.wait_for(lambda: commands and commands[-1].linear.x == 0.0, 'rest')
-    count = len(commands)
-    stand_in.until(lambda: True, 'odometry')
-    assert steering.running and len(commands) == count  # silent without a goal
+def test_a_robot_that_comes_no_nearer_gives_up_and_says_so(stand_in):
+    steering = stand_in(patience=0.5)
+    steering.send(stamped_pose(1.0, 0.0))
+    steering.until(
+        lambda: 'came no nearer for 0.5 s, 1.000 m before it' in steering.output)
+    steering.until(steering.stopped, tell=False)
+    count, end = len(steering.robot.history('cmd_vel')), steering.robot.time + 0.5
+    steering.until(lambda: steering.robot.time > end)
+    assert len(steering.robot.history('cmd_vel')) == count  # silent without a goal
 
 
-def test_a_bad_goal_is_refused_and_the_one_before_stays(graph):
-    steering = graph.start('goal_steering', {'patience': 60.0})
-    stand_in, goals = StandIn(graph), graph.publisher(PoseStamped, 'goal_pose')
-    commands = graph.collect(Twist, 'cmd_vel')
-    goals.publish(stamped_pose(1.0, 0.0))
-    stand_in.until(lambda: commands and commands[-1].linear.x, 'the robot to drive')
-    goals.publish(stamped_pose(math.nan, 0.0))
-    stand_in.until(lambda: 'position (x, y) is (nan, 0.0)' in steering.output, 'refusal')
-    count = len(commands)
-    stand_in.until(lambda: len(commands) > count + 2, 'commands')
-    assert commands[-1].linear.x > 0.0
+def test_a_bad_goal_is_refused_and_the_one_before_stays(stand_in):
+    steering = stand_in(patience=60.0)
+    steering.send(stamped_pose(1.0, 0.0))
+    steering.until(steering.commanded)
+    steering.send(stamped_pose(math.nan, 0.0))
+    steering.until(lambda: 'position (x, y) is (nan, 0.0)' in steering.output)
+    count = len(steering.robot.history('cmd_vel'))
+    steering.until(lambda: len(steering.robot.history('cmd_vel')) > count + 2)
+    assert steering.speed() > 0.0
 
 
 @pytest.mark.parametrize(('settings', 'words'), [
@@ -214,7 +232,5 @@ def test_a_bad_goal_is_refused_and_the_one_before_stays(graph):
     ({'law': 'heading', 'heading_gain': 0.5}, 'heading_gain is 0.5, expected above'),
     ({'odom_timeout': 0.0}, 'odom_timeout is 0.0'),
     ({'max_speed': -0.2}, 'max_speed is -0.2')])
-def test_bad_settings_are_refused_by_name_and_value(graph, settings, words):
-    steering = graph.start('goal_steering', settings)
-    assert steering.wait() == 2
-    assert words in steering.output and 'Traceback' not in steering.output
+def test_bad_settings_are_refused_by_name_and_value(diffdrive, settings, words):
+    assert words in refusal(diffdrive, 'goal_steering', settings)

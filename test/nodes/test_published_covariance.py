@@ -21,13 +21,12 @@ from diffdrive_kinematics.core.kinematics import (
 from diffdrive_kinematics.core.noise import (
     CERTAIN, heading_variance, propagated_moments, sample_heading, sample_paths, twist_covariance,
     WheelSlip)
-from nav_msgs.msg import Odometry
 import numpy as np
 import pytest
-from sensor_msgs.msg import JointState
-from std_msgs.msg import Empty
-from support.graph import JOINTS, KHEPERA, pose_of, set_stamp, stamp_ns
-from support.true_run import write_params
+from support.graph import KHEPERA, pose_of
+from support.stepped import last, nodes, tell_wheels
+
+pytestmark = pytest.mark.ros
 
 GEOMETRY = WheelGeometry(KHEPERA['wheel_separation'], KHEPERA['wheel_radius'])
 SLIP = {'left_slip_variance': 2e-6, 'right_slip_variance': 1e-6}
@@ -37,42 +36,31 @@ PLANAR = np.ix_([0, 1, 5], [0, 1, 5])
 RUNS = 50
 MEAN_NEES_OF_50 = (1.99, 4.27)  # chi^2 of 150 degrees of freedom over 50, 99.9 %
 CHI2_3 = 16.27  # of 99.9 %, with 3 degrees of freedom
-COURSE = [0.1, 0.0, 4.0, 0.0, math.pi / 4, 2.0] * 4 + [0.0, 0.0, 6.0]  # a square, and a rest
+SQUARE = [(0.1, 0.0, 4.0), (0.0, math.pi / 4, 2.0)] * 4 + [(0.0, 0.0, 1.0)]
 
 
-def moving_base(graph, settings, rates=RATES):
-    """Start a base whose wheels turn for ever; return (an odometry message, seconds)."""
-    graph.start('simulated_base', {
-        **KHEPERA, 'initial_pose': [1.0, 2.0, 2.0], 'enable_odom_tf': False,
-        'command_timeout': 0.0, **settings})
-    odometry = graph.collect(Odometry, 'odom')
-    start = graph.now_ns()
-    wheels = graph.publisher(JointState, 'wheel_rates')
-    message = JointState(name=JOINTS, velocity=list(rates))
-    set_stamp(message, start)
-    wheels.publish(message)
+def base(diffdrive, **settings):
+    """Return a robot that is a base alone."""
+    return diffdrive(
+        nodes('simulated_base'), params={**KHEPERA, 'enable_odom_tf': False, **settings})
 
-    def driven():
-        """Repeat the rates: one message that came late would be one of another clock."""
-        set_stamp(message, graph.now_ns())
-        wheels.publish(message)
-        return odometry and stamp_ns(odometry[-1]) > start + 500_000_000 and odometry[-1]
 
-    last = graph.wait_for(driven, 'half a second of odometry')
-    return last, (stamp_ns(last) - start) / 1e9
+def moved(diffdrive, settings, rates=RATES):
+    """Return odometry of a base whose wheels have turned for half a second."""
+    robot = base(diffdrive, **{
+        'initial_pose': [1.0, 2.0, 2.0], 'command_timeout': 0.0, **settings})
+    tell_wheels(robot, velocity=rates)
+    robot.advance(0.5)
+    return last(robot, 'odom')
 
 
 def matrix(covariance):
     return np.array(covariance).reshape(6, 6)
 
 
-def test_the_pose_has_the_covariance_of_its_path_in_the_axes_of_the_fixed_frame(graph):
-    message, _ = moving_base(graph, SLIP)
-    turned = wrap_angle(pose_of(message).theta - 2.0)
-    seconds = turned * KHEPERA['wheel_separation'] / (KHEPERA['wheel_radius'] * (
-        RATES[1] - RATES[0]))  # as it counts them: a first message that was late is its start
-    assert seconds > 0.0
-    travel = (KHEPERA['wheel_radius'] * rate * seconds for rate in RATES)
+def test_the_pose_has_the_covariance_of_its_path_in_the_axes_of_the_fixed_frame(diffdrive):
+    message = moved(diffdrive, SLIP)
+    travel = (0.5 * KHEPERA['wheel_radius'] * rate for rate in RATES)
     _, moments = propagated_moments(
         CERTAIN, Pose(1.0, 2.0, 2.0), GEOMETRY, *travel, *SLIP.values())
     published = matrix(message.pose.covariance)
@@ -80,8 +68,8 @@ def test_the_pose_has_the_covariance_of_its_path_in_the_axes_of_the_fixed_frame(
         moments.second_moment().matrix(), rel=1e-9, abs=1e-18)
 
 
-def test_the_twist_has_the_covariance_of_its_period(graph):
-    message, _ = moving_base(graph, {**SLIP, 'publish_rate': 20.0})
+def test_the_twist_has_the_covariance_of_its_period(diffdrive):
+    message = moved(diffdrive, {**SLIP, 'publish_rate': 20.0})
     published = matrix(message.twist.covariance)
     rolled = [k * rate * KHEPERA['wheel_radius'] for k, rate in zip(SLIP.values(), RATES)]
     assert published[0, 0] - FLOOR == pytest.approx(sum(rolled) * 20.0 / 4.0, rel=1e-6)
@@ -92,8 +80,8 @@ def test_the_twist_has_the_covariance_of_its_period(graph):
 
 
 @pytest.mark.parametrize('settings', [SLIP, {}], ids=['slip', 'no_slip'])
-def test_no_variance_is_zero_and_none_is_inflated(graph, settings):
-    message, _ = moving_base(graph, {**settings, 'covariance_floor': 1e-8})
+def test_no_variance_is_zero_and_none_is_inflated(diffdrive, settings):
+    message = moved(diffdrive, {**settings, 'covariance_floor': 1e-8})
     for field, observed in ((message.pose, {0, 1, 5}), (message.twist, {0, 5})):
         published = matrix(field.covariance)
         assert np.array_equal(published, published.T)
@@ -105,8 +93,8 @@ def test_no_variance_is_zero_and_none_is_inflated(graph, settings):
                 assert not np.any(np.delete(published[i], i))
 
 
-def test_a_fixed_diagonal_takes_the_place_of_the_slip(graph):
-    message, _ = moving_base(graph, {
+def test_a_fixed_diagonal_takes_the_place_of_the_slip(diffdrive):
+    message = moved(diffdrive, {
         **SLIP, 'pose_covariance_diagonal': [1.0, 2.0, 3.0, 4.0, 5.0, 6.0],
         'twist_covariance_diagonal': [6.0, 5.0, 4.0, 3.0, 2.0, 1.0]})
     assert np.array_equal(
@@ -115,31 +103,26 @@ def test_a_fixed_diagonal_takes_the_place_of_the_slip(graph):
         matrix(message.twist.covariance), np.diag([6.0, 5.0, 4.0, 3.0, 2.0, 1.0]))
 
 
-def test_variances_that_are_none_per_metre_are_not_taken_for_such(graph):
-    message, _ = moving_base(graph, {**SLIP, 'slip_model': 'command'})
+def test_variances_that_are_none_per_metre_are_not_taken_for_such(diffdrive):
+    message = moved(diffdrive, {**SLIP, 'slip_model': 'command'})
     assert np.array_equal(matrix(message.pose.covariance), FLOOR * np.eye(6))
     assert np.array_equal(matrix(message.twist.covariance), FLOOR * np.eye(6))
 
 
-def test_the_base_publishes_the_covariance_that_the_slip_makes_along_its_arcs(graph):
-    graph.start('simulated_base', {
-        **KHEPERA, **SLIP, 'enable_odom_tf': False, 'extrapolate_positions': False,
-        'velocity_rolling_window_size': 1})
-    odometry = graph.collect(Odometry, 'odom')
-    wheels = graph.publisher(JointState, 'wheel_rates')
-    start, pose, expected = graph.now_ns() - 10**9, Pose(0.0, 0.0, 0.0), CERTAIN
+def test_the_base_publishes_the_covariance_that_the_slip_makes_along_its_arcs(diffdrive):
+    robot = base(diffdrive, **SLIP, extrapolate_positions=False, velocity_rolling_window_size=1)
+    pose, expected = Pose(0.0, 0.0, 0.0), CERTAIN
     before = (0.0, 0.0)
-    for number, angles in enumerate([(0.0, 0.0), (3.0, 4.0), (9.0, 8.0), (8.0, 9.0)]):
-        message = JointState(name=JOINTS, position=list(angles))
-        set_stamp(message, start + number * 100_000_000)
-        wheels.publish(message)
+    for angles in [(0.0, 0.0), (3.0, 4.0), (9.0, 8.0), (8.0, 9.0)]:
+        tell_wheels(robot, angles)
+        robot.advance(0.1)
         travel = travel_from_angles(GEOMETRY, angles[0] - before[0], angles[1] - before[1])
         pose, expected = propagated_moments(
             expected, pose, GEOMETRY, *travel, *SLIP.values())
         before = angles
-    message = graph.wait_for(
-        lambda: odometry and odometry[-1].pose.pose.position.x == pytest.approx(
-            pose.x, abs=1e-12) and odometry[-1], 'the end')
+    robot.advance(0.5)
+    message = last(robot, 'odom')
+    assert message.pose.pose.position.x == pytest.approx(pose.x, abs=1e-12)
     published = np.reshape(message.pose.covariance, (6, 6))
     block = published[np.ix_((0, 1, 5), (0, 1, 5))]
     assert block == pytest.approx(
@@ -149,8 +132,8 @@ def test_the_base_publishes_the_covariance_that_the_slip_makes_along_its_arcs(gr
 
 
 @pytest.mark.parametrize('seed', [-1, 5])
-def test_an_uncertain_heading_is_published_or_drawn(graph, seed):
-    message, _ = moving_base(graph, {
+def test_an_uncertain_heading_is_published_or_drawn(diffdrive, seed):
+    message = moved(diffdrive, {
         'initial_heading_concentration': 100.0, 'initial_heading_seed': seed}, (0.0, 0.0))
     variance = matrix(message.pose.covariance)[5, 5] - FLOOR
     yaw = pose_of(message).theta
@@ -163,77 +146,52 @@ def test_an_uncertain_heading_is_published_or_drawn(graph, seed):
         assert variance == pytest.approx(0.0, abs=1e-12)
 
 
-STRAIGHT = {  # 20 m, at whose end the yaw has a standard deviation of 0.1 rad
-    '/**': {
-        **KHEPERA, 'wheel_separation': 0.2, 'left_slip_variance': 1e-5,
-        'right_slip_variance': 1e-5, 'clock_step': 0.1, 'real_time_factor': 0.0,
-        'publish_rate': 10.0, 'enable_odom_tf': False, 'joint_states_topic': "''",
-        'nodes': ['command_sequence', 'diff_drive_controller', 'simulated_base']},
-    '/command_sequence': {
-        'commands': [2.0, 0.0, 10.0, 0.0, 0.0, 2.0], 'wait_for_topics': ['odom', 'go']}}
-
-
-def test_the_covariance_of_a_long_straight_is_that_of_20000_sampled_paths(graph, tmp_path):
+def test_the_covariance_of_a_long_straight_is_that_of_20000_sampled_paths(diffdrive):
     """Along, across, yaw and across with yaw within 5 %; first order has 1/23 of that along."""
-    odometry = graph.collect(Odometry, 'odom')
-    go = graph.publisher(Empty, 'go', listeners=0)
-    sim = graph.start('diffdrive_sim', args=[
-        '--ros-args', '--params-file', write_params(tmp_path / 'straight.yaml', STRAIGHT)])
-    graph.wait_for(lambda: odometry or not sim.running, 'odometry')
-    graph.play_out(sim, go)
-    graph.wait_for(lambda: pose_of(odometry[-1]).x > 20.0 - 1e-6, 'the end')
+    robot = diffdrive(nodes('diff_drive_controller', 'simulated_base'), params={
+        'wheel_radius': 0.021, 'wheel_separation': 0.2, 'left_slip_variance': 1e-5,
+        'right_slip_variance': 1e-5, 'publish_rate': 10.0, 'enable_odom_tf': False,
+        'joint_states_topic': ''}, clock_step=0.1)  # its yaw: 0.1 rad of standard deviation
+    robot.drive(2.0, 0.0, 10.0)
+    robot.drive(0.0, 0.0, 2.0)
+    end = last(robot, 'odom')
+    assert pose_of(end).x == pytest.approx(20.0, abs=1e-6)
     slip = WheelSlip(variance=1e-5)
     paths = sample_paths(
         Pose(0.0, 0.0, 0.0), 200 * [Command(1.0, 0.0, 0.1)], WheelGeometry(0.2, 0.021), slip, slip,
         n=20_000, seed=1)
-    error = np.array([column[-1] for column in paths]) - np.array(pose_of(odometry[-1]))[:, None]
+    error = np.array([column[-1] for column in paths]) - np.array(pose_of(end))[:, None]
     expected = error @ error.T / 20_000
-    published = matrix(odometry[-1].pose.covariance)[PLANAR]
+    published = matrix(end.pose.covariance)[PLANAR]
     scale = np.sqrt(np.diag(expected))
     assert np.all(np.abs(published - expected) < 0.05 * np.outer(scale, scale))
     for i, j in ((0, 0), (1, 1), (2, 2), (1, 2)):
         assert published[i, j] == pytest.approx(expected[i, j], rel=0.05)
 
 
-def params_file(path):
-    """Write the parameters of one robot that is believed, and of 50 true runs of it."""
-    members = ['command_sequence', 'diff_drive_controller', 'simulated_base']
-    for run in range(RUNS):
-        members += [f'wheel_noise:run{run}/noise', f'simulated_base:run{run}/truth']
-    lines = {
-        '/**': {
-            **KHEPERA, **SLIP, 'clock_step': 0.1, 'real_time_factor': 0.0, 'publish_rate': 10.0,
-            'enable_odom_tf': False, 'joint_states_topic': "''", 'nodes': members},
-        '/command_sequence': {'commands': COURSE, 'wait_for_topics': ['odom', 'go']},
-        '/**/noise': {'input_topic': '/wheel_rates'},
-        '/**/truth': {
-            'wheel_motion_topic': 'noisy_wheel_rates', 'odom_topic': 'ground_truth',
-            'odom_frame_id': 'map', 'publish_rate': 1.0},
-        **{f'/run{run}/noise': {'seed': run} for run in range(RUNS)}}
-    return write_params(path, lines)
-
-
-def test_belief_is_consistent_with_truth_over_50_runs_of_the_nodes(graph, tmp_path):
+def test_belief_is_consistent_with_truth_over_50_runs_of_the_nodes(diffdrive):
     """
     Drive a square once; the robot believes one thing, 50 seeded noises make 50 truths of it.
 
     The belief does not depend on the noise, so one node stands for that of all runs.
     """
-    topics = ['odom', *(f'run{run}/ground_truth' for run in range(RUNS))]
-    last = {}
-    for topic in topics:
-        graph.collect(Odometry, topic, lambda message, topic=topic: last.update({topic: message}))
-    go = graph.publisher(Empty, 'go', listeners=0)
-    sim = graph.start(
-        'diffdrive_sim',
-        args=['--ros-args', '--params-file', params_file(tmp_path / 'runs.yaml')])
-    graph.wait_for(lambda: len(last) == len(topics) or not sim.running, 'odometry of all')
-    graph.play_out(sim, go)
-    belief = last['odom']
-    rest = stamp_ns(belief) - 5_500_000_000
-    graph.wait_for(lambda: all(stamp_ns(message) > rest for message in last.values()), 'the rest')
-    assert not any(message.twist.twist.linear.x for message in last.values())
-    errors = np.array([pose_of(last[topic]) for topic in topics[1:]]) - pose_of(belief)
+    members = ['diff_drive_controller', 'simulated_base']
+    for run in range(RUNS):
+        members += [f'wheel_noise:run{run}/noise', f'simulated_base:run{run}/truth']
+    robot = diffdrive({
+        '/**': {**KHEPERA, **SLIP, 'nodes': members, 'clock_step': 0.1, 'publish_rate': 10.0,
+                'enable_odom_tf': False, 'joint_states_topic': ''},
+        '/**/noise': {'input_topic': '/wheel_rates'},
+        '/**/truth': {'wheel_motion_topic': 'noisy_wheel_rates', 'odom_topic': 'ground_truth',
+                      'odom_frame_id': 'map', 'publish_rate': 1.0},
+        **{f'/run{run}/noise': {'seed': run} for run in range(RUNS)}})
+    for command in SQUARE:
+        robot.drive(*command)
+    robot.advance(3.0)
+    belief = last(robot, 'odom')
+    truths = [last(robot, f'/run{run}/ground_truth') for run in range(RUNS)]
+    assert not any(message.twist.twist.linear.x for message in (belief, *truths))
+    errors = np.array([pose_of(truth) for truth in truths]) - pose_of(belief)
     errors[:, 2] = wrap_angle(errors[:, 2])
     covariance = matrix(belief.pose.covariance)[PLANAR]
     white = np.linalg.solve(np.linalg.cholesky(covariance), errors.T)

@@ -35,7 +35,8 @@ from sensor_msgs.msg import JointState
 from std_srvs.srv import Trigger
 from support.graph import JOINTS, KHEPERA, pose_of, set_stamp
 from support.inside import inside
-from support.true_run import driven, robot_with_truth
+from support.stepped import refusal
+from support.true_run import driven
 
 PLANAR = np.ix_([0, 1, 5], [0, 1, 5])
 GEOMETRY = WheelGeometry(KHEPERA['wheel_separation'], KHEPERA['wheel_radius'])
@@ -47,14 +48,10 @@ COURSE = [Command(0.4, 0.0, 5.0), Command(0.2, 0.2, 5.0), Command(0.0, -1.0, 1.0
 FLOOR = 1e-9
 
 
-def ends(graph, tmp_path, noise, belief):
+def ends(diffdrive, noise, belief):
     """Drive the course; return the last odometry of the belief and of the truth."""
-    commands = [number for each in COURSE for number in (each.v, each.w, each.duration)]
-    last = driven(graph, tmp_path / 'session.yaml', robot_with_truth(
-        [*commands, 0.0, 0.0, 2.0], 0.1, wheel_noise=noise, simulated_base=belief))
-    still = graph.wait_for(lambda: not any(
-        message.twist.twist.linear.x for message in last.values()) and last, 'the end')
-    return still['odom'], still['ground_truth']
+    return driven(diffdrive, [(each.v, each.w, each.duration) for each in COURSE], 0.1,
+                  wheel_noise=noise, simulated_base=belief)
 
 
 def covariance(message):
@@ -62,8 +59,9 @@ def covariance(message):
     return np.reshape(message.pose.covariance, (6, 6))[PLANAR] - FLOOR * np.eye(3)
 
 
-def test_the_truth_drives_off_by_exactly_what_its_seed_has_drawn(graph, tmp_path):
-    _, truth = ends(graph, tmp_path, {**SESSION, 'seed': 5}, {})
+@pytest.mark.ros
+def test_the_truth_drives_off_by_exactly_what_its_seed_has_drawn(diffdrive):
+    _, truth = ends(diffdrive, {**SESSION, 'seed': 5}, {})
     error = draw_session(SPREAD, session_generator(5))
     expected = reduce(lambda pose, command: advance(pose, *pose_change_from_travel(
         GEOMETRY, *travel_in_session(
@@ -76,9 +74,10 @@ def test_the_truth_drives_off_by_exactly_what_its_seed_has_drawn(graph, tmp_path
     assert math.hypot(*(np.array(pose_of(truth)) - np.array(plain))[:2]) > 0.01
 
 
-def test_the_belief_publishes_the_covariance_of_20000_sampled_runs(graph, tmp_path):
+@pytest.mark.ros
+def test_the_belief_publishes_the_covariance_of_20000_sampled_runs(diffdrive):
     k = 1e-6
-    odometry, _ = ends(graph, tmp_path, {}, {
+    odometry, _ = ends(diffdrive, {}, {
         **SESSION, 'left_slip_variance': k, 'right_slip_variance': k})
     slip = WheelSlip(variance=k)
     steps = [Command(each.v, each.w, 0.1) for each in COURSE
@@ -141,10 +140,10 @@ def test_another_seed_is_another_session_and_another_spread_the_same_one():
             draw_session(SessionSpread(scale=0.02), session_generator(4)).scale, rel=1e-9)
 
 
-def test_a_curvature_asks_for_the_separation(graph):
-    noise = graph.start('wheel_noise', {'wheel_radius': 0.02, 'session_curvature_stddev': 0.01})
-    assert noise.wait() == 2
-    assert 'wheel_separation is nan, expected the distance' in noise.output
+@pytest.mark.ros
+def test_a_curvature_asks_for_the_separation(diffdrive):
+    assert 'wheel_separation is nan, expected the distance' in refusal(
+        diffdrive, 'wheel_noise', {'wheel_radius': 0.02, 'session_curvature_stddev': 0.01})
 
 
 def test_a_covariance_is_finite_whatever_may_be_set():

@@ -15,14 +15,14 @@
 """Putting the robot elsewhere: ``set_pose``, and the reset to where it began."""
 
 import math
-import signal
 
 from geometry_msgs.msg import PoseWithCovarianceStamped
-from nav_msgs.msg import Odometry
 import pytest
-from sensor_msgs.msg import JointState
 from std_srvs.srv import Trigger
-from support.graph import JOINTS, KHEPERA, pose_of, set_stamp
+from support.graph import KHEPERA, pose_of
+from support.stepped import last, nodes, tell_wheels
+
+pytestmark = pytest.mark.ros
 
 RADIUS = KHEPERA['wheel_radius']
 BASE = {**KHEPERA, 'enable_odom_tf': False, 'command_timeout': 0.0}
@@ -41,70 +41,65 @@ def pose_message(x=3.0, y=-2.0, yaw=1.0, frame='odom', scale=1.0, covariance=VAR
     return message
 
 
-class Robot:
-    """A base whose wheels tell rates and positions; a message is an angle [rad] further on."""
+class Rolling:
+    """A base whose wheels tell positions; a message is an angle [rad] further on."""
 
-    def __init__(self, graph, **parameters):
-        self.graph = graph
-        self.base = graph.start('simulated_base', {**BASE, **parameters})
-        self.odometry = graph.collect(Odometry, 'odom')
-        self.joints = graph.collect(JointState, 'joint_states')
-        self.wheels = graph.publisher(JointState, 'wheel_rates')
-        self.poses = graph.publisher(
-            PoseWithCovarianceStamped, parameters.get('set_pose_topic', 'set_pose'))
-        self.angle = 40.0
-        self.message = JointState(name=JOINTS)
+    def __init__(self, diffdrive, **parameters):
+        self.robot = diffdrive(nodes('simulated_base'), params={**BASE, **parameters})
+        self._topic = parameters.get('set_pose_topic', 'set_pose')
+        self._angle = 40.0
 
     def roll(self, angle):
         """Tell the wheels' position, an angle [rad] further on than before."""
-        self.angle += angle
-        self.message.position = [self.angle, self.angle]
-        set_stamp(self.message, self.graph.now_ns())
-        self.wheels.publish(self.message)
+        self._angle += angle
+        tell_wheels(self.robot, [self._angle, self._angle])
+        self.robot.advance(0.02)
 
-    def pose(self):
-        return pose_of(self.odometry[-1])
+    def put(self, message):
+        self.robot.publish(self._topic, message)
+        self.robot.advance(0.02)
 
-    def wait_for_pose(self, *pose):
-        self.graph.wait_for(
-            lambda: self.odometry and self.pose() == pytest.approx(pose, abs=1e-9),
-            f'pose {pose}', timeout=20.0)
+    def assert_pose(self, *pose):
+        assert pose_of(last(self.robot, 'odom')) == pytest.approx(pose, abs=1e-9)
 
-    def driven(self, x=RADIUS):
+    def angles(self):
+        return list(last(self.robot, 'joint_states').position)
+
+    def driven(self):
         self.roll(0.0)
-        self.wait_for_pose(0.0, 0.0, 0.0)
-        self.roll(x / RADIUS)
-        self.wait_for_pose(x, 0.0, 0.0)
+        self.assert_pose(0.0, 0.0, 0.0)
+        self.roll(1.0)
+        self.assert_pose(RADIUS, 0.0, 0.0)
         return self
 
 
 @pytest.mark.parametrize('topic', ['set_pose', 'initialpose'])
 def test_a_robot_that_is_put_elsewhere_has_that_pose_and_covariance_and_drives_on_from_there(
-        graph, topic):
-    robot = Robot(graph, set_pose_topic=topic, covariance_floor=0.0).driven()
-    robot.poses.publish(pose_message())
-    robot.wait_for_pose(3.0, -2.0, 1.0)
-    message = robot.odometry[-1]
-    assert {index: value for index, value in enumerate(message.pose.covariance) if value} \
-        == VARIANCES
-    assert list(robot.joints[-1].position) == pytest.approx([1.0, 1.0], abs=1e-12)
-    robot.roll(2.0)
+        diffdrive, topic):
+    base = Rolling(diffdrive, set_pose_topic=topic, covariance_floor=0.0).driven()
+    base.put(pose_message())
+    base.assert_pose(3.0, -2.0, 1.0)
+    covariance = last(base.robot, 'odom').pose.covariance
+    assert {index: value for index, value in enumerate(covariance) if value} == VARIANCES
+    assert base.angles() == pytest.approx([1.0, 1.0], abs=1e-12)
+    base.roll(2.0)
     way = 2.0 * RADIUS
-    robot.wait_for_pose(3.0 + way * math.cos(1.0), -2.0 + way * math.sin(1.0), 1.0)
+    base.assert_pose(3.0 + way * math.cos(1.0), -2.0 + way * math.sin(1.0), 1.0)
 
 
-def test_a_robot_that_is_put_elsewhere_stands_until_the_wheels_are_heard_again(graph):
-    robot = Robot(graph)
-    robot.wheels.publish(JointState(name=JOINTS, velocity=[5.0, 5.0]))
-    graph.wait_for(lambda: robot.odometry and robot.pose()[0] > 0.01, 'motion')
-    robot.poses.publish(pose_message())
-    robot.wait_for_pose(3.0, -2.0, 1.0)
-    count = len(robot.odometry)
-    graph.wait_for(lambda: len(robot.odometry) > count + 9, 'more odometry')
-    robot.wait_for_pose(3.0, -2.0, 1.0)
-    assert robot.odometry[-1].twist.twist.linear.x == 0.0
-    robot.wheels.publish(JointState(name=JOINTS, velocity=[5.0, 5.0]))
-    graph.wait_for(lambda: robot.odometry[-1].twist.twist.linear.x > 0.1, 'motion')
+def test_a_robot_that_is_put_elsewhere_stands_until_the_wheels_are_heard_again(diffdrive):
+    base = Rolling(diffdrive)
+    tell_wheels(base.robot, velocity=[5.0, 5.0])
+    base.robot.advance(0.5)
+    assert last(base.robot, 'odom').pose.pose.position.x > 0.01
+    base.put(pose_message())
+    for _ in range(10):
+        base.assert_pose(3.0, -2.0, 1.0)
+        assert last(base.robot, 'odom').twist.twist.linear.x == 0.0
+        base.robot.advance(0.02)
+    tell_wheels(base.robot, velocity=[5.0, 5.0])
+    base.robot.advance(0.1)
+    assert last(base.robot, 'odom').twist.twist.linear.x == pytest.approx(5.0 * RADIUS)
 
 
 @pytest.mark.parametrize('message, words', [
@@ -117,44 +112,44 @@ def test_a_robot_that_is_put_elsewhere_stands_until_the_wheels_are_heard_again(g
     (pose_message(covariance={0: -1.0}), 'expected a symmetric matrix of finite numbers'),
     (pose_message(covariance={0: 1.0, 7: 1.0, 1: 2.0, 6: 2.0}), 'a variance below 0'),
     (pose_message(covariance={35: math.inf}), 'expected a symmetric matrix of finite numbers')])
-def test_a_bad_pose_is_refused_with_a_clear_word_and_moves_nothing(graph, message, words):
-    robot = Robot(graph).driven()
-    robot.poses.publish(message)
-    graph.wait_for(lambda: words in robot.base.output, 'a report')
-    assert "message on 'set_pose'" in robot.base.output
-    count = len(robot.odometry)
-    graph.wait_for(lambda: len(robot.odometry) > count + 2, 'more odometry')
-    robot.wait_for_pose(RADIUS, 0.0, 0.0)
-    robot.poses.publish(pose_message(scale=1.001, covariance={}))
-    robot.wait_for_pose(3.0, -2.0, 1.0)
-    assert robot.base.stop(signal.SIGTERM) == 0
+def test_a_bad_pose_is_refused_with_a_clear_word_and_moves_nothing(
+        diffdrive, capfd, message, words):
+    base = Rolling(diffdrive).driven()
+    base.put(message)
+    output = capfd.readouterr().err
+    assert words in output and "message on 'set_pose'" in output
+    base.robot.advance(0.1)
+    base.assert_pose(RADIUS, 0.0, 0.0)
+    base.put(pose_message(scale=1.001, covariance={}))
+    base.assert_pose(3.0, -2.0, 1.0)
 
 
-def test_a_reset_is_the_pose_and_the_angles_of_the_start_and_no_jump_after_it(graph):
-    robot = Robot(graph, covariance_floor=0.0).driven()
-    robot.poses.publish(pose_message())
-    robot.wait_for_pose(3.0, -2.0, 1.0)
-    answer = graph.call(Trigger, 'simulated_base/reset', Trigger.Request())
+def test_a_reset_is_the_pose_and_the_angles_of_the_start_and_no_jump_after_it(diffdrive):
+    base = Rolling(diffdrive, covariance_floor=0.0).driven()
+    base.put(pose_message())
+    base.assert_pose(3.0, -2.0, 1.0)
+    answer = base.robot.call(Trigger, 'simulated_base/reset', Trigger.Request())
     assert answer.success and "x 0.000 m, y 0.000 m, yaw 0.0000 rad in 'odom'" in answer.message
-    robot.wait_for_pose(0.0, 0.0, 0.0)
-    graph.wait_for(lambda: list(robot.joints[-1].position) == [0.0, 0.0], 'the angles')
-    assert not any(robot.odometry[-1].pose.covariance)
-    robot.roll(0.5)
-    robot.wait_for_pose(0.5 * RADIUS, 0.0, 0.0)
-    graph.wait_for(lambda: list(robot.joints[-1].position) == pytest.approx(
-        [0.5, 0.5], abs=1e-12), 'the angles')
+    base.robot.advance(0.02)
+    base.assert_pose(0.0, 0.0, 0.0)
+    assert base.angles() == [0.0, 0.0]
+    assert not any(last(base.robot, 'odom').pose.covariance)
+    base.roll(0.5)
+    base.assert_pose(0.5 * RADIUS, 0.0, 0.0)
+    assert base.angles() == pytest.approx([0.5, 0.5], abs=1e-12)
 
 
-def test_a_reset_goes_to_the_initial_pose_also_before_anything_was_heard(graph):
-    robot = Robot(graph, initial_pose=[1.0, 2.0, 0.5])
-    robot.poses.publish(pose_message())
-    graph.wait_for(lambda: 'pose set' in robot.base.output, 'the pose to be set')
-    assert graph.call(Trigger, 'simulated_base/reset', Trigger.Request()).success
-    robot.roll(0.0)
-    robot.wait_for_pose(1.0, 2.0, 0.5)
+def test_a_reset_goes_to_the_initial_pose_also_before_anything_was_heard(diffdrive, capfd):
+    base = Rolling(diffdrive, initial_pose=[1.0, 2.0, 0.5])
+    base.put(pose_message())
+    assert 'pose set' in capfd.readouterr().err
+    assert base.robot.call(Trigger, 'simulated_base/reset', Trigger.Request()).success
+    base.roll(0.0)
+    base.assert_pose(1.0, 2.0, 0.5)
 
 
-def test_no_pose_can_be_set_where_the_topic_is_off(graph):
-    graph.start('simulated_base', {**BASE, 'set_pose_topic': ''})
-    graph.publisher(JointState, 'wheel_rates')
-    assert graph.node.count_subscribers('set_pose') == 0
+def test_no_pose_can_be_set_where_the_topic_is_off(diffdrive):
+    robot = diffdrive(nodes('simulated_base'), params={**BASE, 'set_pose_topic': ''})
+    robot.advance(0.1)
+    with pytest.raises(KeyError, match='set_pose'):
+        robot.history('set_pose')

@@ -38,3 +38,16 @@ def wait_for_level(graph, statuses, level, words=''):
         lambda: next((status for status in reversed(statuses)
                       if status[0] == level and words in status[1]), None),
         f'level {level} with {words!r} in {statuses[-1:]}')
+
+
+def statuses_of(robot, name):
+    """Return each status of a node of the fixture ``diffdrive``, once it listens to them."""
+    return [(status.level, status.message, {pair.key: pair.value for pair in status.values})
+            for each in robot.history('/diagnostics') for status in each.message.status
+            if status.name == name]
+
+
+def with_health(robot):
+    """Return a robot whose diagnostics are kept."""
+    robot.listen(DiagnosticArray, '/diagnostics')
+    return robot

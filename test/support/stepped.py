@@ -12,7 +12,14 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""What tests of several nodes on stepped time share: which nodes, and what they have said."""
+"""What tests of nodes on stepped time share: which nodes, what they hear, and what they said."""
+
+from diffdrive_kinematics.ros.parameters.configuration_error import ConfigurationError
+import pytest
+from sensor_msgs.msg import JointState
+from support.graph import JOINTS, set_stamp
+
+__all__ = ['last', 'messages', 'nodes', 'refusal', 'tell_wheels', 'time_ns']
 
 
 def nodes(*names, **parameters):
@@ -21,6 +28,31 @@ def nodes(*names, **parameters):
             **{f'/**/{name}': values for name, values in parameters.items()}}
 
 
+def refusal(diffdrive, node, params):
+    """Return the words with which a node refuses to start, for which its process ends with 2."""
+    with pytest.raises(ConfigurationError) as refused:
+        diffdrive(nodes(node), params=params)
+    return str(refused.value)
+
+
 def messages(robot, topic):
     """Return all messages of a topic so far."""
     return [each.message for each in robot.history(topic)]
+
+
+def last(robot, topic):
+    """Return the last message of a topic."""
+    return robot.history(topic)[-1].message
+
+
+def time_ns(robot):
+    """Return the simulated time [ns]."""
+    return round(robot.time * 1e9)
+
+
+def tell_wheels(robot, position=(), velocity=(), *, names=JOINTS, topic='wheel_rates', at_ns=None):
+    """Say what the wheels do, at this time or with another stamp."""
+    message = JointState(name=list(names), position=[float(value) for value in position],
+                         velocity=[float(value) for value in velocity])
+    set_stamp(message, time_ns(robot) if at_ns is None else at_ns)
+    robot.publish(topic, message)

@@ -22,7 +22,7 @@ from diffdrive_kinematics.ros.messages.tf_message_type import tf_message_type
 from geometry_msgs.msg import TransformStamped
 from rclpy.serialization import deserialize_message
 
-__all__ = ['read', 'transforms']
+__all__ = ['read', 'transforms', 'transforms_of']
 
 HAS_TF2_MSGS = importlib.util.find_spec('tf2_msgs') is not None
 HEADER_BYTES = 4  # before what is aligned
@@ -39,6 +39,12 @@ def transforms(graph):
             tf_message_type(), '/tf', lambda data: found.append(transform_of(data)), 1000,
             raw=True)
     return found
+
+
+def transforms_of(robot):
+    """Return every transform of a robot of the fixture ``diffdrive`` so far."""
+    return [one for _, message in robot.history('/tf') for one in (
+        [transform_of(message)] if isinstance(message, bytes) else message.transforms)]
 
 
 def read(data, message_type):

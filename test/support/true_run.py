@@ -12,45 +12,28 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""A composition in fast mode: a course that is driven by a belief and a truth beside it."""
+"""A course that is driven on stepped time by a belief and a truth beside it."""
 
-from nav_msgs.msg import Odometry
-from std_msgs.msg import Empty
 from support.graph import KHEPERA
+from support.stepped import last
+
+__all__ = ['driven']
+
+REST_S = 2.0
+NODES = ['diff_drive_controller', 'wheel_noise', 'simulated_base', 'simulated_base:truth']
 
 
-def write_params(path, sections):
-    """Write the parameters of each section; return the path as text."""
-    path.write_text('\n'.join(
-        f'{node}:\n  ros__parameters:\n' + '\n'.join(
-            f'    {name}: {str(value).lower() if isinstance(value, bool) else value}'
-            for name, value in values.items()) for node, values in sections.items() if values))
-    return str(path)
-
-
-def robot_with_truth(commands, clock_step, **sections):
-    """Return the sections of a robot that drives commands, with those given of its nodes."""
-    return {
-        '/**': {
-            **KHEPERA, 'clock_step': clock_step, 'real_time_factor': 0.0,
-            'publish_rate': 1.0 / clock_step, 'enable_odom_tf': False,
-            'joint_states_topic': "''", 'nodes': [
-                'command_sequence', 'diff_drive_controller', 'wheel_noise', 'simulated_base',
-                'simulated_base:truth']},
-        '/command_sequence': {'commands': commands, 'wait_for_topics': ['odom', 'go']},
-        '/truth': {'wheel_motion_topic': 'noisy_wheel_rates', 'odom_topic': 'ground_truth',
-                   'odom_frame_id': 'map'},
-        **{f'/{node}': values for node, values in sections.items()}}
-
-
-def driven(graph, path, sections):
-    """Drive a robot with a truth to its end; return the last message of each, by topic."""
-    last = {}
-    for topic in ('odom', 'ground_truth'):
-        graph.collect(Odometry, topic, lambda message, topic=topic: last.update({topic: message}))
-    go = graph.publisher(Empty, 'go', listeners=0)
-    sim = graph.start('diffdrive_sim', args=[
-        '--ros-args', '--params-file', write_params(path, sections)])
-    graph.wait_for(lambda: len(last) == 2 or not sim.running, 'odometry of both')
-    graph.play_out(sim, go)
-    return last
+def driven(diffdrive, course, clock_step, **sections):
+    """Drive (v, w, seconds) one after the other; return the last odometry of belief and truth."""
+    robot = diffdrive(
+        {'/**': {'nodes': NODES},
+         '/truth': {'wheel_motion_topic': 'noisy_wheel_rates', 'odom_topic': 'ground_truth',
+                    'odom_frame_id': 'map'},
+         **{f'/{node}': values for node, values in sections.items()}},
+        params={**KHEPERA, 'publish_rate': 1.0 / clock_step, 'enable_odom_tf': False,
+                'joint_states_topic': ''}, clock_step=clock_step)
+    for command in (*course, (0.0, 0.0, REST_S)):
+        robot.drive(*command)
+    ends = [last(robot, topic) for topic in ('odom', 'ground_truth')]
+    assert not any(message.twist.twist.linear.x for message in ends)
+    return ends

@@ -113,6 +113,15 @@ def test_a_params_file_composes_the_nodes(diffdrive, tmp_path, config):
     assert robot.odom.speed == 0.0
 
 
+def test_two_sections_may_share_a_list(diffdrive):
+    wheels = {'left_wheel_names': ['fl', 'rl'], 'right_wheel_names': ['fr', 'rr']}
+    robot = diffdrive({
+        '/**': {'nodes': ['diff_drive_controller', 'simulated_base']},
+        '/**/diff_drive_controller': wheels, '/**/simulated_base': wheels}, params=ROBOT)
+    robot.drive(0.1, 0.0, 0.5)
+    assert robot.odom.speed == pytest.approx(0.1)
+
+
 def test_a_process_that_dies_is_reported_by_name_with_its_output(diffdrive, files):
     path = files / 'dies.py'
     path.write_text((files / 'my_planner.py').read_text().replace(

@@ -16,106 +16,85 @@
 
 import math
 
-from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from diffdrive_kinematics.core.odometry import Mismatch
 from diffdrive_kinematics.nodes.simulated_base import SimulatedBase
 from diffdrive_kinematics.ros.inputs.driver_watch import clock_text, velocity_text
-from nav_msgs.msg import Odometry
 import pytest
 from sensor_msgs.msg import JointState
 from support.graph import JOINTS, KHEPERA, set_stamp
+from support.health import statuses_of, WARN, with_health
 from support.inside import inside, START_NS
+from support.stepped import last, nodes, tell_wheels, time_ns
 
 BASE = {**KHEPERA, 'enable_odom_tf': False, 'diagnostics_rate': 20.0}
 RADIUS = KHEPERA['wheel_radius']
 RATE = 5.0  # [rad/s]
-WARN = DiagnosticStatus.WARN
 
 
 class Drive:
-    """A driver that tells each time it is asked to, on its own clock."""
+    """A base, and a driver that tells in each step, on its own clock."""
 
-    def __init__(self, graph, *, offset_s=0.0, velocity=None, positions=True, topic='wheel_rates'):
-        self._graph, self._offset_ns = graph, round(offset_s * 1e9)
+    def __init__(self, robot, *, offset_s=0.0, velocity=None, positions=True):
+        self.robot, self._offset_ns = with_health(robot), round(offset_s * 1e9)
         self._velocity, self._positions = velocity, positions
-        self._publisher = graph.publisher(JointState, topic)
-        self._start_ns = graph.now_ns()
 
     def tell(self, standing=False):
         """Publish what the wheels do now."""
-        now_ns = self._graph.now_ns()
-        angle = RATE * (now_ns - self._start_ns) / 1e9
-        rate = 0.0 if standing else RATE
-        message = JointState(name=JOINTS)
-        if self._positions:
-            message.position = [angle, angle]
-        if self._velocity is not None:
-            message.velocity = [self._velocity * rate] * 2
-        set_stamp(message, now_ns - self._offset_ns)
-        self._publisher.publish(message)
+        angle, rate = RATE * self.robot.time, 0.0 if standing else RATE
+        tell_wheels(
+            self.robot, [angle, angle] if self._positions else (),
+            () if self._velocity is None else [self._velocity * rate] * 2,
+            at_ns=time_ns(self.robot) - self._offset_ns)
+
+    def until(self, warning):
+        """Tell until the base warns with such words; return what it tells then."""
+        def warned():
+            self.tell()
+            return any(level == WARN and warning(text)
+                       for level, text, _ in statuses_of(self.robot, '/simulated_base'))
+
+        self.robot.advance_until(warned, timeout=20.0)
+        return statuses_of(self.robot, '/simulated_base')[-1][2]
+
+    def twist(self):
+        return last(self.robot, 'odom').twist.twist.linear.x
 
 
-def problems(graph):
-    """Return a list to which each (level, message, values) of the base is added."""
-    statuses = []
-
-    def handle(message):
-        statuses.extend((status.level, status.message, {
-            pair.key: pair.value for pair in status.values}) for status in message.status)
-
-    graph.collect(DiagnosticArray, '/diagnostics', handle)
-    return statuses
-
-
-def until(graph, drive, condition, what, seconds=0.02):
-    """Let the driver tell, a little apart, until a condition holds."""
-    last_ns = 0
-
-    def told():
-        nonlocal last_ns
-        if graph.now_ns() - last_ns > seconds * 1e9:
-            last_ns = graph.now_ns()
-            drive.tell()
-        return condition()
-
-    return graph.wait_for(told, what)
-
-
+@pytest.mark.ros
 @pytest.mark.parametrize('offset_s', [1_600_000_000.0, 0.6, -3600.0],
                          ids=['since boot', 'late', 'ahead'])
 def test_a_driver_with_another_clock_moves_the_robot_and_is_reported_once_and_as_a_warning(
-        graph, offset_s):
-    base = graph.start('simulated_base', BASE)
-    odometry = graph.collect(Odometry, 'odom')
-    statuses = problems(graph)
-    graph.wait_for(lambda: statuses, 'the base')
-    drive = Drive(graph, offset_s=offset_s, velocity=1.0, positions=False)
-    until(graph, drive, lambda: any('another' in text or 'clock that is' in text or
-                                    'stamped by a clock' in text
-                                    for level, text, _ in statuses if level == WARN), 'the report')
-    assert odometry[-1].twist.twist.linear.x == pytest.approx(RATE * RADIUS)
-    values = statuses[-1][2]
+        diffdrive, capfd, offset_s):
+    drive = Drive(diffdrive(nodes('simulated_base'), params=BASE), offset_s=offset_s,
+                  velocity=1.0, positions=False)
+    drive.robot.step_clock(1.7e9)
+    drive.robot.advance(0.1)
+    values = drive.until(lambda text: 'another' in text or 'clock that is' in text
+                         or 'stamped by a clock' in text)
+    assert drive.twist() == pytest.approx(RATE * RADIUS)
     assert float(values['stamps are behind by [s]']) == pytest.approx(offset_s, abs=1.0)
-    until(graph, drive, lambda: len(odometry) > 200, 'more of it')
-    assert base.output.count('stamped by a clock') == 1
-    moved = [message.pose.pose.position.x for message in odometry]
+    for _ in range(200):
+        drive.tell()
+        drive.robot.advance(0.02)
+    assert capfd.readouterr().err.count('stamped by a clock') == 1
+    moved = [each.message.pose.pose.position.x for each in drive.robot.history('odom')]
     assert all(a <= b for a, b in zip(moved, moved[1:]))
     drive.tell(standing=True)
-    graph.wait_for(lambda: odometry[-1].twist.twist.linear.x == 0.0, 'the stop')
+    drive.robot.advance(0.04)
+    assert drive.twist() == 0.0
 
 
-def test_velocities_in_rpm_are_reported_with_their_factor_and_the_unit_and_not_used(graph):
-    base = graph.start('simulated_base', BASE)
-    odometry = graph.collect(Odometry, 'odom')
-    statuses = problems(graph)
-    graph.wait_for(lambda: statuses, 'the base')
-    drive = Drive(graph, velocity=30.0 / math.pi)
-    until(graph, drive, lambda: any('in rpm?' in text for level, text, _ in statuses
-                                    if level == WARN), 'the report')
-    assert 'is 9.55 times what the positions say' in base.output
-    assert base.output.count('in rpm?') == 1
-    assert statuses[-1][2]['velocities and positions'] == 'disagree'
-    assert odometry[-1].twist.twist.linear.x == pytest.approx(RATE * RADIUS, rel=0.2)
+@pytest.mark.ros
+def test_velocities_in_rpm_are_reported_with_their_factor_and_the_unit_and_not_used(
+        diffdrive, capfd):
+    drive = Drive(
+        diffdrive(nodes('simulated_base'), params=BASE), velocity=30.0 / math.pi)
+    values = drive.until(lambda text: 'in rpm?' in text)
+    output = capfd.readouterr().err
+    assert 'is 9.55 times what the positions say' in output
+    assert output.count('in rpm?') == 1
+    assert values['velocities and positions'] == 'disagree'
+    assert drive.twist() == pytest.approx(RATE * RADIUS, rel=0.2)
 
 
 def test_positions_alone_ten_times_a_second_are_published_as_of_the_stamp():

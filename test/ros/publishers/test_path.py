@@ -16,115 +16,108 @@
 import math
 
 from geometry_msgs.msg import PoseWithCovarianceStamped
-from nav_msgs.msg import Odometry, Path
+from nav_msgs.msg import Path
 import pytest
-from sensor_msgs.msg import JointState
-from std_msgs.msg import Empty
-from support.graph import JOINTS, KHEPERA, set_stamp, stamp_ns
+from support.graph import CONFIG, KHEPERA, stamp_ns
+from support.stepped import last, nodes, refusal, tell_wheels
+
+pytestmark = pytest.mark.ros
 
 SETTINGS = {
     **KHEPERA, 'enable_odom_tf': False, 'command_timeout': 0.0, 'path_topic': 'way',
     'path_rate': 20.0, 'odom_frame_id': 'map', 'base_frame_id': 'robot'}
 
 
-def roll(graph, rate):
-    """Let the wheels roll at a rate [rad/s]; return the publisher."""
-    wheels = graph.publisher(JointState, 'wheel_rates')
-    message = JointState(name=JOINTS, velocity=[rate, rate])
-    set_stamp(message, graph.now_ns())
-    wheels.publish(message)
-    return wheels
+def rolling(diffdrive, rate, **settings):
+    """Return a robot whose wheels roll at a rate [rad/s], and how its path is listened to."""
+    robot = diffdrive(nodes('simulated_base'), params={**SETTINGS, **settings})
+    robot.listen(Path, 'way')
+    tell_wheels(robot, velocity=[rate, rate])
+    return robot
+
+
+def paths_of(robot, topic='way'):
+    return [each.message for each in robot.history(topic)]
 
 
 def spots(path):
     return [(pose.pose.position.x, pose.pose.position.y) for pose in path.poses]
 
 
-@pytest.mark.quick
-def test_the_path_has_published_poses_that_are_far_enough_apart(graph):
-    graph.start('simulated_base', {
-        **SETTINGS, 'path_spacing': 0.03, 'initial_pose': [1.0, 2.0, math.pi / 2]})
-    paths, odometry = graph.collect(Path, 'way'), graph.collect(Odometry, 'odom')
-    graph.wait_for(lambda: graph.node.count_publishers('odom'), 'the base')
-    roll(graph, 5.0)
-    path = graph.wait_for(
-        lambda: paths and len(paths[-1].poses) > 5 and paths[-1], 'a path of some poses')
-    assert path.header.frame_id == 'map'
+def test_the_path_has_published_poses_that_are_far_enough_apart(diffdrive):
+    robot = rolling(diffdrive, 5.0, path_spacing=0.03, initial_pose=[1.0, 2.0, math.pi / 2])
+    robot.advance(2.0)
+    path = paths_of(robot)[-1]
+    assert len(path.poses) > 5 and path.header.frame_id == 'map'
     assert stamp_ns(path) == stamp_ns(path.poses[-1])
-    graph.wait_for(
-        lambda: odometry and stamp_ns(odometry[-1]) >= stamp_ns(path), 'its odometry')
-    published = {stamp_ns(message): message.pose.pose for message in odometry}
+    published = {stamp_ns(each.message): each.message.pose.pose for each in robot.history('odom')}
     for pose in path.poses:
         assert pose.header.frame_id == 'map'
-        if stamp_ns(pose) >= min(published):
-            assert pose.pose == published[stamp_ns(pose)]
+        assert pose.pose == published[stamp_ns(pose)]
     gaps = [math.dist(a, b) for a, b in zip(spots(path), spots(path)[1:])]
     assert min(gaps) >= 0.03
 
 
-def test_the_path_is_bounded_and_loses_its_oldest_poses(graph):
-    graph.start('simulated_base', {**SETTINGS, 'path_length': 4, 'path_spacing': 0.0})
-    paths = graph.collect(Path, 'way')
-    roll(graph, 1.0)
-    first = graph.wait_for(lambda: paths and paths[-1].poses and paths[-1], 'a path')
-    graph.wait_for(lambda: len(paths[-1].poses) == 4 and spots(paths[-1])[0][0] >
-                   spots(first)[-1][0], 'the oldest poses to go')
+def test_the_path_is_bounded_and_loses_its_oldest_poses(diffdrive):
+    robot = rolling(diffdrive, 1.0, path_length=4, path_spacing=0.0)
+    robot.advance(1.0)
+    paths = paths_of(robot)
+    first = next(path for path in paths if path.poses)
+    assert len(paths[-1].poses) == 4 and spots(paths[-1])[0][0] > spots(first)[-1][0]
     assert max(len(path.poses) for path in paths) == 4
 
 
-def test_a_path_without_news_is_told_only_to_who_has_come_since(graph):
-    graph.start('simulated_base', {**SETTINGS, 'publish_rate': 200.0})
-    odometry, paths = graph.collect(Odometry, 'odom'), graph.collect(Path, 'way')
-    roll(graph, 0.0)
-    graph.wait_for(lambda: paths and len(odometry) > 400, 'two seconds at rest')
-    assert len(paths) == 1 and len(paths[0].poses) == 1
-    late = graph.collect(Path, 'way')
-    graph.wait_for(lambda: late, 'the path for the late listener')
-    assert late[0] == paths[0]
+def test_a_path_without_news_is_told_only_to_who_has_come_since(diffdrive):
+    robot = rolling(diffdrive, 0.0)
+    robot.advance(2.0)
+    path, = paths_of(robot)
+    assert len(path.poses) == 1
+    robot.listen(Path, 'way')
+    robot.advance(1.0)
+    assert paths_of(robot) == [path, path]
 
 
-def test_without_a_topic_there_is_no_path(graph):
-    graph.start('simulated_base', {**SETTINGS, 'path_topic': ''})
-    odometry = graph.collect(Odometry, 'odom')
-    roll(graph, 1.0)
-    graph.wait_for(lambda: odometry, 'odometry')
-    assert 'nav_msgs/msg/Path' not in {
-        kind for _, kinds in graph.node.get_topic_names_and_types() for kind in kinds}
+def test_without_a_topic_there_is_no_path(diffdrive):
+    robot = diffdrive(nodes('simulated_base'), params={**SETTINGS, 'path_topic': ''})
+    tell_wheels(robot, velocity=[1.0, 1.0])
+    robot.advance(0.1)
+    assert robot.history('odom')
+    with pytest.raises(KeyError, match='odom') as unknown:
+        robot.history('way')
+    assert 'way' not in str(unknown.value).partition('one of')[2]
 
 
 @pytest.mark.parametrize('name, value, words', [
     ('path_length', 0, 'an integer from 1'), ('path_spacing', -1.0, '0 or above'),
     ('path_rate', 0.0, 'Hz'), ('path_topic', 'wheel_rates', 'another topic')])
-def test_a_bad_setting_of_the_path_is_refused(graph, name, value, words):
-    base = graph.start('simulated_base', {**SETTINGS, name: value})
-    assert base.wait() == 2
-    assert name in base.output and words in base.output
+def test_a_bad_setting_of_the_path_is_refused(diffdrive, name, value, words):
+    refused = refusal(diffdrive, 'simulated_base', {**SETTINGS, name: value})
+    assert name in refused and words in refused
 
 
-def test_the_demo_shows_the_paths_of_belief_and_truth(graph):
-    beliefs, truths = graph.collect(Path, 'path'), graph.collect(Path, 'ground_truth_path')
-    go = graph.publisher(Empty, 'go', listeners=0)
-    sim = graph.start('diffdrive_sim', {'real_time_factor': 0.0}, '-p',
-                      "command_sequence:wait_for_topics:=['odom', 'ground_truth', 'go']")
-    graph.wait_for(lambda: beliefs and truths, 'paths')
-    graph.play_out(sim, go)
-    graph.wait_for(lambda: len(beliefs[-1].poses) > 40 and len(truths[-1].poses) > 40, 'the rest')
-    assert (beliefs[-1].header.frame_id, truths[-1].header.frame_id) == ('odom', 'map')
-    assert spots(beliefs[-1])[0] == spots(truths[-1])[0] == (0.0, 0.0)
-    assert spots(beliefs[-1])[-1] != spots(truths[-1])[-1]
+def test_the_demo_shows_the_paths_of_belief_and_truth(diffdrive):
+    robot = diffdrive(CONFIG / 'demo.yaml')
+    for topic in ('path', 'ground_truth_path'):
+        robot.listen(Path, topic)
+    robot.advance(25.0)
+    belief, truth = (paths_of(robot, topic)[-1] for topic in ('path', 'ground_truth_path'))
+    assert len(belief.poses) > 40 and len(truth.poses) > 40
+    assert (belief.header.frame_id, truth.header.frame_id) == ('odom', 'map')
+    assert spots(belief)[0] == spots(truth)[0] == (0.0, 0.0)
+    assert spots(belief)[-1] != spots(truth)[-1]
 
 
-def test_a_robot_that_is_put_elsewhere_has_a_path_from_there_on_in_its_prefixed_frame(graph):
-    graph.start('simulated_base', {
-        **SETTINGS, 'path_spacing': 0.01, 'tf_frame_prefix_enable': True,
-        'tf_frame_prefix': 'r2/'})
-    paths = graph.collect(Path, 'way')
-    roll(graph, 5.0)
-    graph.wait_for(lambda: paths and len(paths[-1].poses) > 3, 'a path of some poses')
-    assert paths[-1].header.frame_id == 'r2/map'
+def test_a_robot_that_is_put_elsewhere_has_a_path_from_there_on_in_its_prefixed_frame(diffdrive):
+    robot = rolling(diffdrive, 5.0, path_spacing=0.01, tf_frame_prefix_enable=True,
+                    tf_frame_prefix='r2/')
+    robot.advance(0.5)
+    path = paths_of(robot)[-1]
+    assert len(path.poses) > 3 and path.header.frame_id == 'r2/map'
     place = PoseWithCovarianceStamped()
     place.header.frame_id = 'r2/map'
     place.pose.pose.position.x, place.pose.pose.orientation.w = 50.0, 1.0
-    graph.publisher(PoseWithCovarianceStamped, 'set_pose').publish(place)
-    graph.wait_for(lambda: spots(paths[-1])[-1][0] >= 50.0, 'the path from there')
-    assert all(x >= 50.0 for x, _ in spots(paths[-1]))
+    robot.publish('set_pose', place)
+    tell_wheels(robot, velocity=[5.0, 5.0])
+    robot.advance(0.5)
+    path = last(robot, 'way')
+    assert len(path.poses) > 3 and all(x >= 50.0 for x, _ in spots(path))

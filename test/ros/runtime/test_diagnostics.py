@@ -21,16 +21,16 @@ from diffdrive_kinematics.nodes.simulated_base import SimulatedBase
 from diffdrive_kinematics.nodes.wheel_noise import WheelNoise
 from diffdrive_kinematics.ros.runtime.diagnostics import (
     MessageStatistics, Problem, quiet, RateSample, Reporter, slowness, Status, unheard)
-from geometry_msgs.msg import Twist
-from nav_msgs.msg import Odometry
 import pytest
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState
-from support.graph import JOINTS, KHEPERA, set_stamp, stamp_ns, twist
-from support.health import collect, ERROR, OK, wait_for_level, WARN
+from support.graph import CONFIG, JOINTS, KHEPERA, set_stamp, stamp_ns, twist
+from support.health import ERROR, OK, statuses_of, WARN, with_health
 from support.inside import inside, START_NS
+from support.stepped import last, nodes, tell_wheels, time_ns
 
-CONTROLLER = 'diff_drive_controller'
+CONTROLLER, CONTROLLER_PATH, BASE = (
+    'diff_drive_controller', '/diff_drive_controller', '/simulated_base')
 NODES = {
     CONTROLLER: KHEPERA, 'wheel_noise': {'wheel_radius': 0.021}, 'simulated_base': KHEPERA,
     'command_sequence': {'commands': [0.1, 0.0, 60.0]}, 'forward_projection': KHEPERA}
@@ -51,95 +51,94 @@ class Listeners:
         self.messages.append(message.status[0].message)
 
 
+@pytest.mark.ros
 @pytest.mark.parametrize('name', NODES)
-def test_every_node_tells_its_health_on_the_absolute_topic_under_its_full_name(graph, name):
-    arrays = graph.collect(DiagnosticArray, '/diagnostics')
-    graph.start(name, {**NODES[name], **FAST}, '-r', '__ns:=/robot1')
-    (status,) = graph.wait_for(lambda: arrays, 'diagnostics')[-1].status
+def test_every_node_tells_its_health_on_the_absolute_topic_under_its_full_name(diffdrive, name):
+    robot = with_health(diffdrive(
+        nodes(f'{name}:robot1/{name}'), params={**NODES[name], **FAST}))
+    robot.advance(0.2)
+    (status,) = last(robot, '/diagnostics').status
     assert (status.name, status.hardware_id) == (f'/robot1/{name}', 'robot1')
     assert status.level == (OK if name == CONTROLLER else WARN)
     assert 'yet' in status.message or 'waiting for' in status.message
     assert 'refused' in {pair.key for pair in status.values}
 
 
-def test_a_rate_of_zero_is_off(graph):
-    graph.start(CONTROLLER, {**KHEPERA, 'diagnostics_rate': 0.0})
-    rates = graph.collect(JointState, 'wheel_rates')
-    graph.wait_for(lambda: rates, 'the controller')
-    assert graph.node.count_publishers('/diagnostics') == 0
+@pytest.mark.ros
+def test_a_rate_of_zero_is_off(diffdrive):
+    robot = diffdrive(nodes(CONTROLLER), params={**KHEPERA, 'diagnostics_rate': 0.0})
+    robot.advance(1.5)
+    with pytest.raises(KeyError, match='/diagnostics'):
+        robot.history('/diagnostics')
 
 
-def test_the_controller_tells_of_commands_timeouts_cuts_and_refusals(graph):
-    graph.start(CONTROLLER, {
+def at_level(robot, name, level, words=''):
+    """Let time pass until a node tells that level, with some words; return what it tells."""
+    begun = len(statuses_of(robot, name))
+
+    def told():
+        return [status for status in statuses_of(robot, name)[begun:]
+                if status[0] == level and words in status[1]]
+
+    robot.advance_until(told, timeout=3.0)
+    return told()[0]
+
+
+@pytest.mark.ros
+def test_the_controller_tells_of_commands_timeouts_cuts_and_refusals(diffdrive):
+    robot = with_health(diffdrive(nodes(CONTROLLER), params={
         **KHEPERA, 'diagnostics_rate': 5.0, 'max_wheel_rate': 5.0,
-        'linear.x.max_velocity': 0.2})
-    statuses = collect(graph, f'/{CONTROLLER}')
-    wait_for_level(graph, statuses, OK, "no messages on '/cmd_vel' yet")
-    commands = graph.publisher(Twist, 'cmd_vel')
-    sent = 0
-
-    def driving():
-        nonlocal sent
-        commands.publish(twist(0.5, 0.0))
-        sent += 1
-        return statuses[-1][0] == OK and float(statuses[-1][2]['saturated']) > 0
-
-    graph.wait_for(driving, 'a healthy controller')
-    level, message, values = statuses[-1]
-    assert message == 'ok'
-    assert 0 < int(values['command messages']) <= sent
+        'linear.x.max_velocity': 0.2}))
+    at_level(robot, CONTROLLER_PATH, OK, "no messages on '/cmd_vel' yet")
+    robot.drive(0.5, 0.0, 1.0)
+    level, message, values = statuses_of(robot, CONTROLLER_PATH)[-1]
+    assert (level, message) == (OK, 'ok') and float(values['saturated']) > 0
+    assert 40 <= int(values['command messages']) <= 50
     assert int(values['limited']) > 0 and int(values['timeouts']) == 0
     assert 0.0 <= float(values['age of the last command [s]']) < 0.5
     assert float(values['achieved publish rate [Hz]']) > 0.8 * 50.0
-    message, values = wait_for_level(graph, statuses, WARN, 'timeouts: 1 more')[1:]
+    values = at_level(robot, CONTROLLER_PATH, WARN, 'timeouts: 1 more')[2]
     assert values['timeouts'] == '1'
-    wait_for_level(graph, statuses, OK, "at rest, no messages on '/cmd_vel' for")
-    commands.publish(twist(math.nan, 0.0))
-    values = wait_for_level(graph, statuses, ERROR, 'refused: 1 more, 1 in all')[2]
+    at_level(robot, CONTROLLER_PATH, OK, "at rest, no messages on '/cmd_vel' for")
+    robot.publish('cmd_vel', twist(math.nan, 0.0))
+    values = at_level(robot, CONTROLLER_PATH, ERROR, 'refused: 1 more, 1 in all')[2]
     assert values['refused'] == '1'
 
 
-def test_the_base_tells_of_wheel_motion_its_stamps_and_its_rate(graph):
-    graph.start('simulated_base', {
-        **KHEPERA, 'enable_odom_tf': False, 'command_timeout': 0.0, **FAST})
-    statuses = collect(graph, '/simulated_base')
-    odometry = graph.collect(Odometry, 'odom')
-    wait_for_level(graph, statuses, WARN, "no messages on '/wheel_rates' yet")
-    wheels = graph.publisher(JointState, 'wheel_rates')
-    late = graph.now_ns() - 700_000_000
+@pytest.mark.ros
+def test_the_base_tells_of_wheel_motion_its_stamps_and_its_rate(diffdrive):
+    robot = with_health(diffdrive(nodes('simulated_base'), params={
+        **KHEPERA, 'enable_odom_tf': False, 'command_timeout': 0.0, **FAST}))
+    robot.advance(1.0)
+    assert statuses_of(robot, BASE)[-1][:2] == (WARN, "no messages on '/wheel_rates' yet")
+    late_ns = time_ns(robot) - 700_000_000
     for offset, angle in ((0, 0.0), (100_000_000, 1.0), (50_000_000, 0.5), (-1, 0.0)):
-        message = JointState(name=JOINTS, position=[angle, angle])
-        set_stamp(message, late + offset)
-        wheels.publish(message)
-    wait_for_level(graph, statuses, WARN, 'out of order: ')
-    values = wait_for_level(graph, statuses, OK)[2]
+        tell_wheels(robot, [angle, angle], at_ns=late_ns + offset)
+    at_level(robot, BASE, WARN, 'out of order: ')
+    values = at_level(robot, BASE, OK)[2]
     assert values['wheel motion messages'] == '4'
-    assert 0.7 <= float(values['largest now - stamp [s]']) < 60.0
+    assert float(values['largest now - stamp [s]']) == pytest.approx(0.7, abs=1e-3)
     assert int(values['out of order']) >= 1 and values['clock steps in stamps'] == '0'
     assert float(values['age of the last wheel motion [s]']) >= 0.0
-    assert odometry
+    assert robot.history('odom')
 
 
-def test_the_base_tells_of_encoders_that_began_again_elsewhere(graph):
-    graph.start('simulated_base', {
-        **KHEPERA, 'enable_odom_tf': False, 'max_encoder_rate': 50.0, **FAST})
-    statuses = collect(graph, '/simulated_base')
-    wheels = graph.publisher(JointState, 'wheel_rates')
-    wait_for_level(graph, statuses, WARN, 'no messages')
+@pytest.mark.ros
+def test_the_base_tells_of_encoders_that_began_again_elsewhere(diffdrive):
+    robot = with_health(diffdrive(nodes('simulated_base'), params={
+        **KHEPERA, 'enable_odom_tf': False, 'max_encoder_rate': 50.0, **FAST}))
+    at_level(robot, BASE, WARN, 'no messages')
     for number, angle in enumerate((0.0, 700.0)):
-        message = JointState(name=JOINTS, position=[angle, angle])
-        set_stamp(message, graph.now_ns() + number)
-        wheels.publish(message)
-    values = wait_for_level(graph, statuses, WARN, 'position jumps: 1 more, 1 in all')[2]
+        tell_wheels(robot, [angle, angle], at_ns=time_ns(robot) + number)
+    values = at_level(robot, BASE, WARN, 'position jumps: 1 more, 1 in all')[2]
     assert values['position jumps'] == '1'
 
 
-def test_in_fast_mode_diagnostics_follow_the_stepped_clock_and_show_progress(graph):
-    arrays = graph.collect(DiagnosticArray, '/diagnostics')
-    # Not as fast as it can, or it may have ended when it is discovered.
-    sim = graph.start('diffdrive_sim', {'real_time_factor': 6.0})
-    graph.wait_for(lambda: not sim.running, 'the course')
-    graph.wait_for(lambda: arrays, 'diagnostics')
+@pytest.mark.ros
+def test_diagnostics_follow_the_stepped_clock_and_show_progress(diffdrive):
+    robot = with_health(diffdrive(CONFIG / 'demo.yaml'))
+    robot.advance(16.0)
+    arrays = [each.message for each in robot.history('/diagnostics')]
     assert all(stamp_ns(array) % 10**9 == 0 for array in arrays)
     names = {array.status[0].name for array in arrays}
     assert names == {'/diff_drive_controller', '/wheel_noise', '/simulated_base', '/ground_truth',
@@ -226,22 +225,23 @@ def test_wheels_that_fell_silent_are_well_at_rest_and_a_warning_where_they_turne
         assert ('at rest' in trouble.message) == (level == OK)
 
 
-def test_a_parked_robot_is_well_and_nothing_is_ever_stale(graph):
+@pytest.mark.ros
+def test_a_parked_robot_is_well_and_nothing_is_ever_stale(diffdrive):
     """Controller and base, an hour or a second after the last command."""
-    for name, parameters in ((CONTROLLER, {}), ('simulated_base', {'enable_odom_tf': False})):
-        graph.start(name, {**KHEPERA, **parameters, **FAST})
-    statuses = collect(graph, f'/{CONTROLLER}'), collect(graph, '/simulated_base')
-    commands = graph.publisher(Twist, 'cmd_vel')
+    robot = with_health(diffdrive(
+        nodes(CONTROLLER, 'simulated_base'), params={**KHEPERA, 'enable_odom_tf': False, **FAST}))
     for v in (0.1, 0.0):
-        commands.publish(twist(v, 0.0))
-    wait_for_level(graph, statuses[0], OK, "at rest, no messages on '/cmd_vel' for 1.")
-    assert graph.wait_for(
-        lambda: statuses[1] and statuses[1][-1][:2] == (OK, 'ok'), 'a base that is well')
-    parked = len(statuses[0]), len(statuses[1])
-    graph.wait_for(lambda: min(map(len, statuses)) > max(parked) + 20, 'more of them')
-    for heard, begin in zip(statuses, parked):
-        assert {level for level, *_ in heard[begin:]} == {OK}
-    assert DiagnosticStatus.STALE not in {level for heard in statuses for level, *_ in heard}
+        robot.publish('cmd_vel', twist(v, 0.0))
+        robot.advance(0.02)
+    at_level(robot, CONTROLLER_PATH, OK, "at rest, no messages on '/cmd_vel' for 1.")
+    assert statuses_of(robot, BASE)[-1][:2] == (OK, 'ok')
+    parked = [len(statuses_of(robot, name)) for name in (CONTROLLER_PATH, BASE)]
+    robot.advance(2.0)
+    heard = [statuses_of(robot, name) for name in (CONTROLLER_PATH, BASE)]
+    for statuses, begin in zip(heard, parked):
+        assert len(statuses) > begin + 20
+        assert {level for level, *_ in statuses[begin:]} == {OK}
+    assert DiagnosticStatus.STALE not in {level for each in heard for level, *_ in each}
 
 
 def test_reports_come_though_simulated_time_stands_and_on_the_clock_it_shows(graph):
