@@ -24,7 +24,7 @@ import struct
 from typing import Optional, Sequence
 
 from diffdrive_kinematics.core.kinematics import NANOSECONDS, Pose
-from diffdrive_kinematics.core.noise import PoseCovariance
+from diffdrive_kinematics.core.noise import PoseCovariance, TwistCovariance
 from diffdrive_kinematics.ros.messages import plain
 from diffdrive_kinematics.ros.messages.cdr import (
     HEADER, Layout, STAMP_AT, Template, write_stamp)
@@ -40,7 +40,7 @@ POSE_COVARIANCE_AT, TWIST_AT, TWIST_COVARIANCE_AT = 7, 43, 49
 _read_twist = struct.Struct('=d32xd').unpack_from  # linear.x and angular.z
 _read_stamp_and_length = struct.Struct('=iII').unpack_from
 _write_pose = struct.Struct('=2d24x2d').pack_into  # x, y, and z and w of the quaternion
-_write_twist = struct.Struct('=d32xd').pack_into
+_write_twist = struct.Struct('=d32xd').pack_into  # of x and yaw
 _write_rows = struct.Struct('=2d24x3d24xd').pack_into  # of x and y in a covariance
 _write_row = struct.Struct('=2d24xd').pack_into  # of yaw
 ROW_OF_YAW = 5 * 6 * 8
@@ -130,6 +130,12 @@ class OdometryCodec(plain.OdometryCodec):
             at = self._at + 8 * POSE_COVARIANCE_AT
             _write_rows(self._data, at, xx + floor, xy, xt, xy, yy + floor, yt)
             _write_row(self._data, at + ROW_OF_YAW, xt, yt, tt + floor)
+
+    def set_twist_covariance(self, covariance: TwistCovariance) -> None:
+        """Set the block of forward speed and yaw rate."""
+        (vv, vw, ww), at = covariance, self._at + 8 * TWIST_COVARIANCE_AT
+        _write_twist(self._data, at, vv, vw)
+        _write_twist(self._data, at + ROW_OF_YAW, vw, ww)
 
     def encoded(
             self, stamp_ns: int, x: float, y: float, theta: float, v: float, w: float) -> bytes:

@@ -34,14 +34,15 @@ from typing import Any, Callable, Mapping, Optional
 from diffdrive_kinematics.core.kinematics import (
     displacement, is_sane, LARGEST, NANOSECONDS, Pose, twist_from_wheel_rates)
 from diffdrive_kinematics.core.noise import (
-    arc_moments, CERTAIN, followed, NO_COVARIANCE, PoseMoments, second_moment_after, slip_on_arc)
+    arc_moments, CERTAIN, followed, NO_COVARIANCE, PoseCovariance, PoseMoments,
+    second_moment_after, slip_on_arc)
 from diffdrive_kinematics.core.odometry import (
-    is_run, Odometry, WheelMotion, WheelTrack, ZERO)
+    Anchor, is_run, Odometry, WheelMotion, WheelTrack, ZERO)
 from diffdrive_kinematics.ros.messages.wheel_messages import WheelReader, WheelWriter
 from diffdrive_kinematics.ros.publishers.odometry import OdometryPublisher
 from diffdrive_kinematics.ros.runtime.health import Health
 from diffdrive_kinematics.ros.runtime.polling import Poll, QUEUE_DEPTH
-from diffdrive_kinematics.ros.runtime.rclpy_private import hand_on, NUMBER, RECEIVED
+from diffdrive_kinematics.ros.runtime.rclpy_private import hand_on, NUMBER, RECEIVED, sender_of
 from rclpy.publisher import Publisher
 
 __all__ = ['LeanBase']
@@ -74,7 +75,9 @@ class LeanBase:
             tick: Callable[[], None]) -> None:
         self._odometry, self._live, self._fresh = odometry, False, False
         self._reader, self._poll, self._health = reader, poll, health
-        self._out, self._joints, self._beside = out, joints, beside
+        self._out, self._beside = out, beside
+        self._send_odometry, self._send_joints = (
+            publisher and sender_of(publisher) for publisher in (out.publisher, joints))
         self._encode_joints = wheels.encoder_of_two()
         self._now, self._plain_tick = now, tick
 
@@ -107,7 +110,7 @@ class LeanBase:
         usual, odometry = self._reader.usual(data), self._odometry
         motion, anchor, wheels = odometry.motion, odometry.anchor, odometry.wheels
         if not usual or motion is None or not motion.holds or odometry.measured or (
-                anchor.session or self._joints and not self._encode_joints):
+                anchor.session or self._send_joints and not self._encode_joints):
             return
         self._number, self._source, shape, self._rates_at, self._positions_at, self._gear = usual
         if motion.source != self._source or self._positions_at and not motion.counted:
@@ -119,7 +122,8 @@ class LeanBase:
         self._timeout_ns = math.inf if odometry.timeout_ns is None else odometry.timeout_ns
         self._clock, self._geometry = wheels.clock, odometry.geometry
         self._left, self._right = wheels.left, wheels.right
-        self._anchor, self._at_rest = anchor, anchor.moments.second_moment()
+        self._anchor: Anchor = anchor
+        self._at_rest: Optional[PoseCovariance] = None
         self._slips = *odometry.slip_variances, odometry.body_slip
         self._certain = anchor.moments is CERTAIN and not any(self._slips)
         self._twist = twist_from_wheel_rates(self._geometry, *self._held)
@@ -170,7 +174,7 @@ class LeanBase:
                     moments, heading, complex(*displacement(heading, distance, turn)),
                     self._arc_moments(left_angle, right_angle, swings=True))
             self._anchor = anchor.moved(distance, turn, moments)
-            self._at_rest, self._new_rates = moments.second_moment(), True
+            self._at_rest, self._new_rates = None, True
             self._left, self._right = self._left.plus(left_angle), self._right.plus(right_angle)
             self._anchor_ns, self._held, self._twist = stamp_ns, rates, twist
             self._reference, self._counted = positions or ZERO, bool(positions) or self._is_run
@@ -217,20 +221,24 @@ class LeanBase:
         yaw = math.remainder(theta.value_with(turn), math.tau)
         pose = x.value_with(dx), y.value_with(dy), yaw if yaw > -math.pi else math.pi
         self._health.sent += 1
-        if out.publisher:
+        if self._send_odometry:
             if out.pose_slips:
-                out.codec.set_pose_covariance(
-                    NO_COVARIANCE if self._certain else self._at_rest
-                    if not (left_angle or right_angle) else second_moment_after(
+                if self._certain:
+                    covariance = NO_COVARIANCE
+                elif left_angle or right_angle:
+                    covariance = second_moment_after(
                         moments, heading, complex(dx, dy),
-                        self._arc_moments(left_angle, right_angle, swings=False)), out.floor)
+                        self._arc_moments(left_angle, right_angle, swings=False))
+                else:
+                    covariance = self._at_rest = self._at_rest or moments.second_moment()
+                out.codec.set_pose_covariance(covariance, out.floor)
             if self._new_rates:
                 self._new_rates = False
                 out.set_twist_covariance(self._held, self._odometry)
-            out.publisher.publish(out.codec.encoded(now_ns, *pose, *self._twist))
-        if self._joints:
+            self._send_odometry(out.codec.encoded(now_ns, *pose, *self._twist))
+        if self._send_joints:
             gear = self._gear
-            self._joints.publish(self._encode_joints(
+            self._send_joints(self._encode_joints(
                 now_ns, gear * self._left.value_with(left_angle),
                 gear * self._right.value_with(right_angle), gear * left_rate, gear * right_rate))
         self._beside(now_ns, Pose(*pose))

@@ -138,12 +138,14 @@ class SteadyTimers(Timers):
 
     def fire_due(self) -> None:
         """Fire what is due."""
-        now_ns = time.monotonic_ns()
-        if now_ns < self._next_ns:
+        monotonic_ns = time.monotonic_ns
+        if monotonic_ns() < self._next_ns:
             return
         for timer in tuple(self.timers):
-            if timer.next_ns <= now_ns:
-                self.fire(timer)
+            late_ns = monotonic_ns() - timer.next_ns
+            if late_ns >= 0:  # as in ``fire``, without its calls
+                timer.next_ns += (late_ns // timer.timer_period_ns + 1) * timer.timer_period_ns
+                timer.callback()
         self._next_ns = min([timer.next_ns for timer in self.timers], default=NEVER_NS)
 
 
@@ -170,9 +172,15 @@ class SteppedClock(Timers):
 
 
 class StepWatch:
-    """A look at a clock, which notices that it was stepped by comparing it with the steady one."""
+    """
+    A look at a clock, which notices that it was stepped by comparing it with the steady one.
 
-    def __init__(self, clock: Clock) -> None:
+    It tells ``on_step`` by how much [ns].
+    """
+
+    def __init__(
+            self, clock: Clock, on_step: Callable[[int], None] = lambda step_ns: None) -> None:
+        self._on_step = on_step
         self._now_ns, self._simulated = time_of(clock), simulation_of(clock)
         self._steady_ns: Optional[int] = None
         self._last_ns = 0
@@ -203,4 +211,6 @@ class StepWatch:
                         step = 0
             self._steady_ns = steady_ns
         self._last_ns = now_ns
+        if step:
+            self._on_step(step)
         return now_ns, step

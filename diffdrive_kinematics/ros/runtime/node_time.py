@@ -14,7 +14,7 @@
 
 """The clock of a node: the steps that it makes, and whether one that is simulated goes on."""
 
-from typing import Any, Callable, Optional, Tuple
+from typing import Any, Callable, Optional
 
 from diffdrive_kinematics.ros.runtime.clocks import StepWatch
 from diffdrive_kinematics.ros.runtime.health import Health
@@ -27,7 +27,7 @@ __all__ = ['NodeTime']
 
 class NodeTime:
     """
-    Looks at the clock of a node.
+    Looks at the clock of a node: ``now_and_step`` is that of a ``StepWatch``.
 
     Parameters
     ----------
@@ -46,7 +46,7 @@ class NodeTime:
             self, node: Node, runtime: Runtime, health: Health, counts: Any,
             on_clock_look: Callable[[float], None]) -> None:
         self._node, self._runtime, self._health, self._counts = node, runtime, health, counts
-        self._steps = StepWatch(runtime.clock)
+        self.now_and_step = StepWatch(runtime.clock, self._on_step).now_and_step
         self._on_clock_look = on_clock_look
         self._watch: Optional[ClockWatch] = None
         self._watch_clock(())
@@ -59,14 +59,11 @@ class NodeTime:
             self._watch = self._health.clock = ClockWatch(
                 runtime, self._node.get_logger(), self._on_clock_look)
 
-    def now_and_step(self) -> Tuple[int, int]:
-        """Return the time [ns], and by how much the clock was stepped since the last call."""
-        now_ns, step_ns = self._steps.now_and_step()
-        if step_ns:
-            self._counts['clock steps'] += 1
-            self._health.clock_stepped(step_ns)
-            self._node.get_logger().warning(f'the clock was stepped by {step_ns / 1e9:.3f} s')
-        return now_ns, step_ns
+    def _on_step(self, step_ns: int) -> None:
+        """Count and report a step of the clock."""
+        self._counts['clock steps'] += 1
+        self._health.clock_stepped(step_ns)
+        self._node.get_logger().warning(f'the clock was stepped by {step_ns / 1e9:.3f} s')
 
     @property
     def is_simulated(self) -> bool:

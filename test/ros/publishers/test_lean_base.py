@@ -19,6 +19,7 @@ import math
 import random
 
 from diffdrive_kinematics.nodes.simulated_base import SimulatedBase
+from diffdrive_kinematics.ros.publishers import lean_base
 from diffdrive_kinematics.ros.runtime import clocks
 from diffdrive_kinematics.ros.runtime.clocks import SteadyTimers
 from geometry_msgs.msg import PoseWithCovarianceStamped
@@ -78,8 +79,10 @@ class Base:
         self.node._wheel_motion.taken = lambda: self.queue.popleft() if self.queue else None
         for publisher in self.node.publishers:
             if publisher.topic_name != '/parameter_events':
-                publisher.publish = lambda message, topic=publisher.topic_name: self.said.append(
-                    (topic, message))
+                publisher.publish = self._keep(publisher)
+
+    def _keep(self, publisher):
+        return lambda message: self.said.append((publisher.topic_name, message))
 
     def state(self):
         node = self.node
@@ -210,6 +213,8 @@ def time(monkeypatch):
     time = Time()
     monkeypatch.setattr(clocks, 'time', time)
     monkeypatch.setattr(SimulatedBase, 'source', lambda node: 'base#1')
+    monkeypatch.setattr(lean_base, 'sender_of', lambda publisher: lambda message: (
+        publisher.publish(message)))
     return time
 
 
