@@ -23,8 +23,8 @@ from diffdrive_kinematics.ros.inputs.command_intake import Backlog, CommandIntak
 from diffdrive_kinematics.ros.inputs.command_type import CommandType
 from diffdrive_kinematics.ros.inputs.emergency_stop import EmergencyStop
 from diffdrive_kinematics.ros.inputs.publisher_watch import PublisherWatch
-from diffdrive_kinematics.ros.parameters.from_values import (
-    check_sides, check_wiring, drive_settings)
+from diffdrive_kinematics.ros.parameters.drive_from_values import drive_settings
+from diffdrive_kinematics.ros.parameters.from_values import check_sides, check_wiring
 from diffdrive_kinematics.ros.parameters.tables import DIFF_DRIVE_CONTROLLER
 from diffdrive_kinematics.ros.publishers.wheel_commands import WheelCommandPublisher
 from diffdrive_kinematics.ros.runtime.diagnostics import (

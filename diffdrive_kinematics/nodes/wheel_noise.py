@@ -27,9 +27,10 @@ from diffdrive_kinematics.core.odometry import (
 from diffdrive_kinematics.ros.inputs.wheel_watch import WheelWatch
 from diffdrive_kinematics.ros.messages.wheel_joints import wheel_joints
 from diffdrive_kinematics.ros.messages.wheel_messages import WheelReader, WheelWriter
+from diffdrive_kinematics.ros.parameters.drive_from_values import command_response
 from diffdrive_kinematics.ros.parameters.from_values import (
-    body_slip, check_sides, check_wiring, command_response, session_spread, wheel_geometry,
-    wheel_radii, wheel_slips)
+    body_slip, check_sides, check_wiring, session_spread, wheel_geometry, wheel_radii,
+    wheel_slips)
 from diffdrive_kinematics.ros.parameters.tables import WHEEL_NOISE
 from diffdrive_kinematics.ros.runtime.diagnostics import (
     heard_values, quiet, RateSample, stamp_values, Status, unheard)

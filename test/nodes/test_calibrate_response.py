@@ -18,7 +18,7 @@ from diffdrive_kinematics.core.calibration import (
     CalibrationParameters, drive_from_commands, odometry_at, responded)
 from diffdrive_kinematics.core.commands import CommandResponse
 from diffdrive_kinematics.core.kinematics import WheelGeometry
-from diffdrive_kinematics.ros.parameters.from_values import command_response
+from diffdrive_kinematics.ros.parameters.drive_from_values import command_response
 from diffdrive_kinematics.ros.parameters.tables import DIFF_DRIVE_CONTROLLER
 import numpy as np
 import pytest

@@ -14,19 +14,14 @@
 
 """What the values of a node's parameters amount to, as the core has it."""
 
-from dataclasses import fields
-import math
-from typing import Any, List, Mapping, Optional, Sequence, Tuple
+from typing import Any, List, Mapping, Sequence, Tuple
 
-from diffdrive_kinematics.core.commands import AxisLimits, CommandResponse, DriveSettings
 from diffdrive_kinematics.core.kinematics import Command, WheelGeometry
 from diffdrive_kinematics.core.noise import BodySlip, SessionSpread, WheelSlip
-from diffdrive_kinematics.ros.parameters.tables import LIMITS, SWITCHES
 
 __all__ = [
-    'axis_limits', 'body_slip', 'check_sides', 'check_wiring', 'command_response',
-    'commands_from', 'drive_settings', 'session_spread', 'wheel_geometry', 'wheel_radii',
-    'wheel_slips']
+    'body_slip', 'check_sides', 'check_wiring', 'commands_from', 'session_spread',
+    'wheel_geometry', 'wheel_radii', 'wheel_slips']
 
 Values = Mapping[str, Any]
 
@@ -77,52 +72,6 @@ def commands_from(numbers: Sequence[float]) -> List[Command]:
             f'commands has {len(numbers)} numbers, expected three for each command: v, omega, '
             'duration')
     return [Command(*numbers[i:i + 3]) for i in range(0, len(numbers), 3)]
-
-
-def drive_settings(values: Values) -> DriveSettings:
-    """Return the settings of a controller's values; ``ValueError`` names what is wrong."""
-    response = command_response(values)
-    return DriveSettings(
-        wheel_geometry(values), axis_limits(values, 'linear.x'),
-        axis_limits(values, 'angular.z'), max_wheel_rate=values['max_wheel_rate'],
-        cmd_vel_timeout=values['cmd_vel_timeout'], update_rate=values['update_rate'],
-        response=response if values['use_response'] else None)
-
-
-def command_response(values: Values) -> Optional[CommandResponse]:
-    """Return how the robot of a node's values follows; None where it does as it is told."""
-    if not values['response_max_speed']:
-        if values.get('use_response'):
-            raise ValueError(
-                'use_response is True and response_max_speed 0.0, expected a response, as '
-                'calibrate writes it')
-        return None
-    numbers = {field.name: values[f'response_{field.name}'] for field in fields(CommandResponse)}
-    try:
-        return CommandResponse(**numbers)
-    except ValueError as error:
-        raise ValueError(f'response_{error}') from None
-
-
-def axis_limits(values: Values, axis: str) -> AxisLimits:
-    """Return the limits of an axis; ``ValueError`` names the parameter that was set."""
-    limits = {limit: values[f'{axis}.{limit}'] for limit in LIMITS}
-    older, from_older = limits.pop('min_acceleration'), set()
-    if not math.isnan(older):  # it bounded every fall of the velocity, max_acceleration every rise
-        for limit, bound in (('max_deceleration', older), ('max_acceleration_reverse', older),
-                             ('max_deceleration_reverse', limits['max_acceleration'])):
-            if math.isnan(limits[limit]):
-                limits[limit] = bound
-                from_older.add(limit)
-    for switch, what in SWITCHES.items():
-        if not values[f'{axis}.{switch}']:
-            limits.update({limit: math.nan for limit in limits if what in limit})
-    try:
-        return AxisLimits(**limits)
-    except ValueError as error:
-        limit, _, rest = str(error).partition(' ')
-        limit = 'min_acceleration' if limit in from_older else limit
-        raise ValueError(f'{axis}.{limit} {rest}') from None
 
 
 def check_wiring(values: Values, source: str, outputs: Tuple[str, ...]) -> None:

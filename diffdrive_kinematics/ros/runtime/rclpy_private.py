@@ -20,7 +20,6 @@ one is missing, what is public takes its place: rclpy's own timers and callbacks
 :func:`missing` says what to log.  Only the overrides of parameters have no substitute.
 """
 
-from importlib.metadata import PackageNotFoundError, version
 import inspect
 from typing import Any, Callable, Mapping, NamedTuple, Optional, Tuple, Type
 
@@ -75,6 +74,7 @@ def missing() -> str:
 
 
 def _version() -> str:
+    from importlib.metadata import PackageNotFoundError, version  # a tenth of the own imports
     try:
         return version('rclpy')
     except PackageNotFoundError:
