@@ -93,7 +93,7 @@ def encoders(directory):
     except ValueError as error:
         print('  UMBmark:', error)
     for name, drives in found.items():
-        for clock in (Clock.OFFSETS, Clock.DRIFTS):
+        for clock in (Clock.OFFSETS, Clock.DRIFTS, Clock.AUTO):
             try:
                 fit = fit_trajectory(ENCODERS, drives, clock=clock)
             except ValueError as error:
