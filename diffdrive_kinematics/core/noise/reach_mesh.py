@@ -108,10 +108,8 @@ def mesh_of(
     """
     distance, turn = pose_change_from_travel(geometry, stage.d_left, stage.d_right)
     return np.stack([
-        slice_of(
-            polygon, 0.5 * turn + node, _distances(stage, geometry, distance, node),
-            stage.lateral_bound, margin)
-        for node in nodes], axis=1)
+        slice_of(polygon, 0.5 * turn + node, _distances(stage, geometry, distance, node),
+                 stage.lateral_bound, margin) for node in nodes], axis=1)
 
 
 def _distances(
@@ -165,8 +163,7 @@ def slice_of(
 
     """
     points, normals = _with_normals(polygon)
-    ratio = float(sinc(half))
-    low, high = sorted((ratio * distances[0], ratio * distances[1]))
+    low, high = sorted(float(sinc(half)) * each for each in distances)
     angle, side = normals + half, lateral + margin
     corner = (np.where(np.cos(angle) > 0.0, high + margin, low - margin)
               + 1j * np.where(np.sin(angle) > 0.0, side, -side))
