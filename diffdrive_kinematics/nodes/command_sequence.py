@@ -89,7 +89,7 @@ def _squares(values: Mapping[str, Any]) -> Tuple[List[Command], List[SquareRun]]
 
 class CommandSequence(DiffDriveNode[Config]):
     """
-    Sends zeros until it is heard, then each command at its time, then zero.
+    Sends zeros until somebody subscribes, then each command at its time, then zero.
 
     Stamps are the times at which commands should hold, start plus offset, whenever the message
     is really sent; a controller with a ``stamp_tolerance`` then repeats the course exactly.
@@ -138,7 +138,7 @@ class CommandSequence(DiffDriveNode[Config]):
             self._start_ns += step_ns
         else:
             self._send(now_ns, 0.0, 0.0)
-            if not self._is_heard():
+            if not self._has_answers():
                 return
             self._start_ns = now_ns
             self.get_logger().info(
@@ -180,7 +180,7 @@ class CommandSequence(DiffDriveNode[Config]):
                 self._listen(topic, types[0])
         return self._unanswered <= set(self._answers)
 
-    def _is_heard(self) -> bool:
+    def _has_answers(self) -> bool:
         """Return whether somebody listens and all topics to wait for have answered."""
         self.ready()
         if not self._unanswered and self._publisher.get_subscription_count() > 0:
@@ -195,14 +195,14 @@ class CommandSequence(DiffDriveNode[Config]):
         missing = sorted(self._unanswered) or [f'a subscriber of {self._publisher.topic_name}']
         return f"waiting for {', '.join(missing)}"
 
-    def status(self, look: RateSample) -> Status:
+    def status(self, sample: RateSample) -> Status:
         """Return how far the course has come."""
         elapsed = min(self.elapsed_s(), self.length_s)
         return Status({
             'state': 'done' if self.done else 'playing' if self.begun() else 'waiting',
             'elapsed [s]': elapsed, 'length [s]': self.length_s,
             'progress [%]': 100.0 * elapsed / self.length_s,
-            'achieved publish rate [Hz]': look.rate},
+            'achieved publish rate [Hz]': sample.rate},
             [] if self.begun() else [Problem(WARN, self._waiting())])
 
     def _listen(self, topic: str, type_name: str) -> None:

@@ -27,8 +27,7 @@ from diffdrive_kinematics.ros.parameters.drive_from_values import drive_settings
 from diffdrive_kinematics.ros.parameters.from_values import check_sides, check_wiring
 from diffdrive_kinematics.ros.parameters.tables import DIFF_DRIVE_CONTROLLER
 from diffdrive_kinematics.ros.publishers.wheel_commands import WheelCommandPublisher
-from diffdrive_kinematics.ros.runtime.diagnostics import (
-    heard_values, OK, quiet, RateSample, slowness, Status, unheard)
+from diffdrive_kinematics.ros.runtime.diagnostics import OK, RateSample, Status
 from diffdrive_kinematics.ros.runtime.node import DiffDriveNode
 from diffdrive_kinematics.ros.runtime.one_shot_timer import OneShotTimer
 from diffdrive_kinematics.ros.runtime.rclpy_private import MessageInfo, UNKNOWN
@@ -223,19 +222,19 @@ class DiffDriveController(DiffDriveNode[Config]):
         if timeout != config.drive.cmd_vel_timeout:  # else what is silent goes on to be
             self._set_watchdog(config.drive.cmd_vel_timeout)
 
-    def status(self, look: RateSample) -> Status:
+    def status(self, sample: RateSample) -> Status:
         """Return how commands come in and rates go out."""
         values, drive, topic = self.config.values, self._drive, self.commands.topic
         return Status({
-            **heard_values(self.health.statistics, look.now_ns, 'command'),
-            'achieved publish rate [Hz]': look.rate, 'saturated': drive.saturated,
+            **self.health.statistics.values(sample.now_ns, 'command'),
+            'achieved publish rate [Hz]': sample.rate, 'saturated': drive.saturated,
             'limited': drive.limited, 'timeouts': drive.timeouts, **self._intake.values(),
             **self._stop.values(), 'publishers of commands': self._command_watch.count}, [
                 *self._stop.problems(), *self._command_watch.problems(),
-                *unheard(self.health.statistics, topic, OK),
-                *quiet(self.health.statistics, look.now_ns, values['cmd_vel_timeout'], topic,
-                       at_rest=drive.rates == REST),
-                *slowness(look, values['publish_rate'])])
+                *self.health.statistics.problems(
+                    sample.now_ns, values['cmd_vel_timeout'], topic, at_rest=drive.rates == REST,
+                    none_yet=OK),
+                *sample.problems(values['publish_rate'])])
 
     def final_command(self) -> Sequence[Publisher]:
         """Leave the wheels with the command to stand still."""

@@ -30,8 +30,7 @@ from diffdrive_kinematics.ros.messages.wheel_messages import WheelReader
 from diffdrive_kinematics.ros.parameters.from_values import (
     body_slip, check_sides, check_wiring, wheel_geometry, wheel_slips)
 from diffdrive_kinematics.ros.parameters.tables import FORWARD_PROJECTION
-from diffdrive_kinematics.ros.runtime.diagnostics import (
-    heard_values, quiet, RateSample, stamp_values, Status, unheard)
+from diffdrive_kinematics.ros.runtime.diagnostics import RateSample, stamp_values, Status
 from diffdrive_kinematics.ros.runtime.node import DiffDriveNode
 from diffdrive_kinematics.ros.runtime.rclpy_private import MessageInfo
 from diffdrive_kinematics.ros.runtime.running import main_of
@@ -71,7 +70,7 @@ def build(values: Mapping[str, Any]) -> Config:
         wheel_slips(values), body_slip(values), values)
 
 
-def _is_heard(publisher: Optional[Publisher]) -> bool:
+def _has_subscribers(publisher: Optional[Publisher]) -> bool:
     return publisher is not None and publisher.get_subscription_count() > 0
 
 
@@ -105,7 +104,7 @@ class ForwardProjection(DiffDriveNode[Config]):
             JointState, values['wheel_motion_topic'], self._on_wheels, raw=True, informed=True)
         self._timer = self.runtime.every(values['publish_rate'], self._tick)
         self.parameters.on_change(self._configure)
-        self._tell_bounds()
+        self._report_bounds()
 
     def _on_odometry(self, message: Odometry) -> None:
         self._odometry = message, pose_in_plane(message.pose.pose)
@@ -132,8 +131,8 @@ class ForwardProjection(DiffDriveNode[Config]):
                 'waiting for odometry and wheel motion',
                 throttle_duration_sec=WAITING_REPORT_PERIOD_S, skip_first=True)
             return
-        samples = self.config.values['samples'] if _is_heard(self._poses_publisher) else 0
-        bounded = _is_heard(self._boundary_publisher) and self.config.bounded()
+        samples = self.config.values['samples'] if _has_subscribers(self._poses_publisher) else 0
+        bounded = _has_subscribers(self._boundary_publisher) and self.config.bounded()
         if not samples and not bounded:
             return
         (odometry, pose), self._odometry = self._odometry, None
@@ -173,18 +172,19 @@ class ForwardProjection(DiffDriveNode[Config]):
         self._worker.close()
         super().close()
 
-    def status(self, look: RateSample) -> Status:
+    def status(self, sample: RateSample) -> Status:
         """Return how odometry comes in and projections go out."""
         values = self.config.values
         topic = self.resolve_topic_name(values['odom_topic'])
         return Status({
-            **heard_values(self.health.statistics, look.now_ns, 'odometry'),
-            'achieved projection rate [Hz]': look.rate,
+            **self.health.statistics.values(sample.now_ns, 'odometry'),
+            'achieved projection rate [Hz]': sample.rate,
             'projections skipped': self._worker.skipped, **stamp_values(self.counts),
             **self._wheel_watch.values()}, [
-                *self._wheel_watch.problems(), *unheard(self.health.statistics, topic),
-                *quiet(self.health.statistics, look.now_ns, values['command_timeout'], topic),
-                *(trouble for clock in self._clocks.values() for trouble in clock.problems())])
+                *self._wheel_watch.problems(),
+                *self.health.statistics.problems(
+                    sample.now_ns, values['command_timeout'], topic),
+                *(problem for clock in self._clocks.values() for problem in clock.problems())])
 
     def _synchronised_now(self) -> int:
         now_ns, step_ns = self.time.now_and_step()
@@ -194,7 +194,7 @@ class ForwardProjection(DiffDriveNode[Config]):
                 clock.clock_stepped(step_ns)
         return now_ns
 
-    def _tell_bounds(self) -> None:
+    def _report_bounds(self) -> None:
         if self._boundary_publisher and not self.config.bounded():
             distribution = self.config.values['slip_distribution']
             self.get_logger().info(
@@ -205,7 +205,7 @@ class ForwardProjection(DiffDriveNode[Config]):
         self._wheels = self._wheels.configured(
             config.geometry, config.timeout_ns, self._synchronised_now())
         self._timer = self.runtime.retimed(self._timer, config.values['publish_rate'], self._tick)
-        self._tell_bounds()
+        self._report_bounds()
 
 
 main = main_of(ForwardProjection)

@@ -26,8 +26,7 @@ from diffdrive_kinematics.ros.inputs.tasks import goals_from, Seen, Task
 from diffdrive_kinematics.ros.messages.codec import TwistCodec
 from diffdrive_kinematics.ros.messages.messages import nanoseconds, pose_in_plane
 from diffdrive_kinematics.ros.parameters.tables import GOAL_STEERING
-from diffdrive_kinematics.ros.runtime.diagnostics import (
-    heard_values, quiet, RateSample, Status, unheard)
+from diffdrive_kinematics.ros.runtime.diagnostics import RateSample, Status
 from diffdrive_kinematics.ros.runtime.node import DiffDriveNode
 from diffdrive_kinematics.ros.runtime.running import main_of
 from geometry_msgs.msg import PoseStamped, Twist, TwistStamped
@@ -209,7 +208,7 @@ class GoalSteering(DiffDriveNode[Config]):
             self._progress = self._progress._replace(since_ns=self._progress.since_ns + step_ns)
         return now_ns
 
-    def status(self, look: RateSample) -> Status:
+    def status(self, sample: RateSample) -> Status:
         """Return where the robot is going and how odometry comes in."""
         values = self.config.values
         topic = self.resolve_topic_name(values['odom_topic'])
@@ -218,9 +217,8 @@ class GoalSteering(DiffDriveNode[Config]):
             'distance left [m]': self._progress.distance if self._tasks else 0.0,
             'arrivals': self.counts['arrivals'], 'given up': self.counts['given up'],
             'odometry timeouts': self.counts['odometry timeouts'],
-            **heard_values(self.health.statistics, look.now_ns, 'odometry')}, [
-                *unheard(self.health.statistics, topic),
-                *quiet(self.health.statistics, look.now_ns, values['odom_timeout'], topic)])
+            **self.health.statistics.values(sample.now_ns, 'odometry')},
+            self.health.statistics.problems(sample.now_ns, values['odom_timeout'], topic))
 
     def final_command(self) -> Sequence[Publisher]:
         """Leave the robot with the command to stand still, where it was driven."""

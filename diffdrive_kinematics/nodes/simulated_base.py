@@ -34,8 +34,7 @@ from diffdrive_kinematics.ros.publishers.lean_base import LeanBase
 from diffdrive_kinematics.ros.publishers.odometry import BeliefCorrection, OdometryPublisher
 from diffdrive_kinematics.ros.publishers.path import PathPublisher
 from diffdrive_kinematics.ros.publishers.tf import transforms
-from diffdrive_kinematics.ros.runtime.diagnostics import (
-    heard_values, quiet, RateSample, slowness, stamp_values, Status, unheard)
+from diffdrive_kinematics.ros.runtime.diagnostics import RateSample, stamp_values, Status
 from diffdrive_kinematics.ros.runtime.node import DiffDriveNode
 from diffdrive_kinematics.ros.runtime.rclpy_private import MessageInfo
 from diffdrive_kinematics.ros.runtime.running import main_of
@@ -199,21 +198,21 @@ class SimulatedBase(DiffDriveNode[Config]):
         if self._path:
             self._path.add(now_ns, pose)
 
-    def status(self, look: RateSample) -> Status:
+    def status(self, sample: RateSample) -> Status:
         """Return how wheel motion comes in and odometry goes out."""
-        values, heard = self.config.values, self.health.statistics
+        values, received = self.config.values, self.health.statistics
         topic = self.resolve_topic_name(values['wheel_motion_topic'])
         return Status({
-            **heard_values(heard, look.now_ns, 'wheel motion'),
-            'achieved odometry rate [Hz]': look.rate, **stamp_values(self.counts),
+            **received.values(sample.now_ns, 'wheel motion'),
+            'achieved odometry rate [Hz]': sample.rate, **stamp_values(self.counts),
             'position jumps': self.counts[core.Verdict.JUMPED.value],
-            'last now - stamp [s]': heard.skew_ns / 1e9,
-            'largest now - stamp [s]': heard.largest_skew_ns / 1e9,
+            'last now - stamp [s]': received.skew_ns / 1e9,
+            'largest now - stamp [s]': received.largest_skew_ns / 1e9,
             **self._wheel_watch.values(), **self._driver.values(self._odometry)}, [
-                *self._wheel_watch.problems(), *self._driver.problems(), *unheard(heard, topic),
-                *quiet(heard, look.now_ns, values['command_timeout'], topic,
-                       at_rest=self._odometry.at_rest),
-                *slowness(look, values['publish_rate'])])
+                *self._wheel_watch.problems(), *self._driver.problems(),
+                *received.problems(sample.now_ns, values['command_timeout'], topic,
+                                   at_rest=self._odometry.at_rest),
+                *sample.problems(values['publish_rate'])])
 
     def _updated_now(self) -> int:
         """Return the time, after all wheel motion that has come up to then."""

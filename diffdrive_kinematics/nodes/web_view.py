@@ -80,7 +80,7 @@ class WebView(DiffDriveNode[Config]):
         self._noise = RemoteParameters(
             self, values['noise_node'], [each[0] for each in NOISE],
             lambda numbers: self._page.show(numbers)) if values['noise_node'] else None
-        self._heard: List[Any] = []
+        self._sources: List[Any] = []
         self._stopped = False  # by a viewer, whatever the controller says
         self._actions = {
             'drive': self._do_drive, 'goal': self._do_goal, 'set': self._do_set,
@@ -118,7 +118,7 @@ class WebView(DiffDriveNode[Config]):
 
     def _listen(self) -> None:
         values = self.config.values
-        self._heard = [
+        self._sources = [
             self.runtime.listen(message_type, values[name], callback, needs_wakeup=False)
             for message_type, name, callback in (
                 (Odometry, 'odom_topic', self._shown.take_belief),
@@ -126,13 +126,13 @@ class WebView(DiffDriveNode[Config]):
                 (PoseArray, 'poses_topic', self._shown.take_poses),
                 (PolygonStamped, 'boundary_topic', self._shown.take_boundary))
             if values[name]]
-        self._heard.append(self.runtime.listen_beside(  # the node publishes there, too
+        self._sources.append(self.runtime.listen_beside(  # the node publishes there, too
             DiagnosticArray, '/diagnostics', self._shown.take_diagnostics))
 
     def _ignore(self) -> None:
-        for subscription in self._heard:
+        for subscription in self._sources:
             self.runtime.unlisten(subscription)
-        self._heard = []
+        self._sources = []
 
     def _pass_on(self, message: Any) -> None:
         if not (self._helm.viewer or self._stopped):
@@ -149,7 +149,7 @@ class WebView(DiffDriveNode[Config]):
             except (KeyError, OverflowError, TypeError, ValueError) as error:
                 self.rejections.refuse(f'{action.name} of a viewer: {error!r}')
         self._drive()
-        if bool(page.viewers) != bool(self._heard):
+        if bool(page.viewers) != bool(self._sources):
             self._listen() if page.viewers else self._ignore()
         if page.viewers:
             if self._noise:
@@ -231,10 +231,10 @@ class WebView(DiffDriveNode[Config]):
         self.get_logger().error(text)
         self._shown.show('notice', text)
 
-    def status(self, look: RateSample) -> Status:
+    def status(self, sample: RateSample) -> Status:
         """Return who looks and who drives."""
         return Status({'viewers': self._page.viewers, 'driver': self._helm.viewer,
-                       'frame rate [Hz]': look.rate}, [])
+                       'frame rate [Hz]': sample.rate}, [])
 
     def final_command(self) -> Tuple[Publisher, ...]:
         """Leave the robot at rest where a viewer drove it."""

@@ -32,8 +32,7 @@ from diffdrive_kinematics.ros.parameters.from_values import (
     body_slip, check_sides, check_wiring, session_spread, wheel_geometry, wheel_radii,
     wheel_slips)
 from diffdrive_kinematics.ros.parameters.tables import WHEEL_NOISE
-from diffdrive_kinematics.ros.runtime.diagnostics import (
-    heard_values, quiet, RateSample, stamp_values, Status, unheard)
+from diffdrive_kinematics.ros.runtime.diagnostics import RateSample, stamp_values, Status
 from diffdrive_kinematics.ros.runtime.node import DiffDriveNode
 from diffdrive_kinematics.ros.runtime.rclpy_private import MessageInfo
 from diffdrive_kinematics.ros.runtime.running import main_of
@@ -46,7 +45,7 @@ class Config:
     """What the noise is set to."""
 
     stream: SlipStream
-    told: Optional[AnsweredMotion]
+    response: Optional[AnsweredMotion]
     values: Mapping[str, Any]
 
 
@@ -69,21 +68,21 @@ def build(values: Mapping[str, Any]) -> Config:
             separation=0.0 if math.isnan(separation) else separation,
             session=draw_session(spread, session_generator(values['seed'])) if spread else None,
             body=body_slip(values)),
-        _told(values), values)
+        _response(values), values)
 
 
-def _told(values: Mapping[str, Any]) -> Optional[AnsweredMotion]:
-    """Return how the robot follows what its wheels are told; None where it does as it is told."""
-    response = command_response(values)
-    if response is None:
+def _response(values: Mapping[str, Any]) -> Optional[AnsweredMotion]:
+    """Return how the robot follows its commands; None where it does what they say."""
+    given = command_response(values)
+    if given is None:
         return None
     geometry = wheel_geometry(values)
 
     def answer(rates: WheelPair) -> WheelPair:
-        motion = response.motion_of(Twist(*twist_from_wheel_rates(geometry, *rates)))
+        motion = given.motion_of(Twist(*twist_from_wheel_rates(geometry, *rates)))
         return wheel_rates_from_twist(geometry, *motion)
 
-    return AnsweredMotion(answer, round(response.delay * NANOSECONDS))
+    return AnsweredMotion(answer, round(given.delay * NANOSECONDS))
 
 
 class WheelNoise(DiffDriveNode[Config]):
@@ -96,7 +95,7 @@ class WheelNoise(DiffDriveNode[Config]):
         self._reader = WheelReader(joints, encoder_range=values['encoder_range'])
         self._wheel_watch = WheelWatch(self, self._reader, values['input_topic'])
         self._wheels = WheelWriter(joints, self.source())
-        self._stream, self._told = self.config.stream, self.config.told
+        self._stream, self._response = self.config.stream, self.config.response
         self._seed = values['seed']
         self._generator = np.random.default_rng(self._seed)
         self._publisher = self.runtime.publish(JointState, values['output_topic'])
@@ -111,10 +110,10 @@ class WheelNoise(DiffDriveNode[Config]):
         if sample is None:
             return
         self.health.statistics.note(self.runtime.now_ns(), sample.stamp_ns)
-        if self._told is None:
+        if self._response is None:
             self._pass_on(sample)
             return
-        self._told, due = self._told.heard(sample)
+        self._response, due = self._response.update(sample)
         for each in due:
             self._pass_on(each)
 
@@ -126,22 +125,23 @@ class WheelNoise(DiffDriveNode[Config]):
             self._publisher.publish(self._wheels.encode(
                 noisy.stamp_ns, noisy.rates, noisy.positions))
 
-    def status(self, look: RateSample) -> Status:
+    def status(self, sample: RateSample) -> Status:
         """Return how wheel motion passes through."""
         values, motion = self.config.values, self._stream.motion
         topic = self.resolve_topic_name(values['input_topic'])
         return Status({
-            **heard_values(self.health.statistics, look.now_ns, 'wheel motion'),
+            **self.health.statistics.values(sample.now_ns, 'wheel motion'),
             'sent': self.health.sent, **stamp_values(self.counts), **self._wheel_watch.values()}, [
-                *self._wheel_watch.problems(), *unheard(self.health.statistics, topic),
-                *quiet(self.health.statistics, look.now_ns, values['command_timeout'], topic,
-                       at_rest=motion is not None and motion.rates == (0.0, 0.0))])
+                *self._wheel_watch.problems(),
+                *self.health.statistics.problems(
+                    sample.now_ns, values['command_timeout'], topic,
+                    at_rest=motion is not None and motion.rates == (0.0, 0.0))])
 
     def _configure(self, config: Config) -> None:
-        new, told = config.stream, config.told
-        if told is not None and self._told is not None:
-            told = self._told.configured(told)
-        self._told = told
+        new, response = config.stream, config.response
+        if response is not None and self._response is not None:
+            response = self._response.configured(response)
+        self._response = response
         self._stream = replace(
             self._stream, radii=new.radii, left_slip=new.left_slip, right_slip=new.right_slip,
             timeout_ns=new.timeout_ns, session=new.session, separation=new.separation,

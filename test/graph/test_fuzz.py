@@ -354,7 +354,8 @@ def test_nothing_that_calibrate_hears_takes_it_down_and_it_answers(tmp_path, ref
 
 @pytest.mark.slow
 def test_no_odometry_or_wheel_motion_takes_the_projection_down(monkeypatch):
-    monkeypatch.setattr(forward_projection, '_is_heard', lambda publisher: publisher is not None)
+    monkeypatch.setattr(
+        forward_projection, '_has_subscribers', lambda publisher: publisher is not None)
     assert assert_works('forward_projection', batches_of(
         ('/wheel_rates', wheels), ('/odom', odometries())))['refused'] > 100
 

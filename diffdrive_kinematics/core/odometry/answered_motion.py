@@ -13,10 +13,10 @@
 # limitations under the License.
 
 """
-Wheel motion as a robot answers it: other rates than it was told, a delay later.
+Wheel motion as a robot answers it: other rates than were commanded, a delay later.
 
-What was told from a stamp on is done from the stamp plus the delay on, whenever the messages come:
-the result depends on stamps only.  A robot of which nothing is due yet rests.
+What was commanded from a stamp on is done from the stamp plus the delay on, whenever the
+messages come: the result depends on stamps only.  A robot of which nothing is due yet rests.
 """
 
 from dataclasses import replace
@@ -30,28 +30,28 @@ __all__ = ['AnsweredMotion']
 
 class AnsweredMotion(NamedTuple):
     """
-    What was told and is not done yet.
+    What was commanded and is not done yet.
 
     Parameters
     ----------
     answer : callable
-        Gives the rates (left, right) [rad/s] that are driven for those that were told.
+        Gives the rates (left, right) [rad/s] that are driven for those that were commanded.
     delay_ns : int
         How late they are driven [ns].
     waiting : tuple of WheelSample
         What is to be done later, in order of time.
     last : WheelSample or None
-        What was told last.
+        The last command.
 
     Examples
     --------
-    A robot that turns half as fast as told, 0.3 s later:
+    A robot that turns half as fast as commanded, 0.3 s later:
 
-    >>> told = AnsweredMotion(lambda rates: (0.5 * rates[0], 0.5 * rates[1]), 300_000_000)
-    >>> told, due = told.heard(WheelSample(0, (2.0, 2.0)))
+    >>> motion = AnsweredMotion(lambda rates: (0.5 * rates[0], 0.5 * rates[1]), 300_000_000)
+    >>> motion, due = motion.update(WheelSample(0, (2.0, 2.0)))
     >>> [(sample.stamp_ns, sample.rates) for sample in due]
     [(0, (0.0, 0.0))]
-    >>> told, due = told.heard(WheelSample(500_000_000, (0.0, 0.0)))
+    >>> motion, due = motion.update(WheelSample(500_000_000, (0.0, 0.0)))
     >>> [(sample.stamp_ns, sample.rates) for sample in due]
     [(300000000, (1.0, 1.0))]
 
@@ -62,18 +62,18 @@ class AnsweredMotion(NamedTuple):
     waiting: Tuple[WheelSample, ...] = ()
     last: Optional[WheelSample] = None
 
-    def heard(self, sample: WheelSample) -> Tuple['AnsweredMotion', List[WheelSample]]:
+    def update(self, sample: WheelSample) -> Tuple['AnsweredMotion', List[WheelSample]]:
         """
         Return the state after a message, and what is done up to its stamp.
 
         Parameters
         ----------
         sample : WheelSample
-            What is told; of positions alone the rates since the message before count.
+            What is commanded; of positions alone the rates since the message before count.
 
         Returns
         -------
-        told : AnsweredMotion
+        motion : AnsweredMotion
             The state.
         due : list of WheelSample
             What is done, in order of time; where time went back, all that waited is dropped.
@@ -86,10 +86,10 @@ class AnsweredMotion(NamedTuple):
         now_ns, last = sample.stamp_ns, self.last
         back = last is not None and now_ns < last.stamp_ns
         waiting = () if back else self.waiting
-        told = self._told(sample, None if back else last)
-        if told is not None:
+        commanded = self._commanded(sample, None if back else last)
+        if commanded is not None:
             waiting = (*waiting, WheelSample(
-                told[0] + self.delay_ns, self.answer(told[1]), source=sample.source))
+                commanded[0] + self.delay_ns, self.answer(commanded[1]), source=sample.source))
         due = [each for each in waiting if each.stamp_ns <= now_ns]
         if (last is None or back) and not due:
             due = [WheelSample(now_ns, ZERO, source=sample.source)]
@@ -105,7 +105,7 @@ class AnsweredMotion(NamedTuple):
         Parameters
         ----------
         new : AnsweredMotion
-            The answer and delay, which nothing was told yet.
+            The answer and delay, which nothing was commanded yet.
 
         Returns
         -------
@@ -114,10 +114,10 @@ class AnsweredMotion(NamedTuple):
 
         Examples
         --------
-        >>> told = AnsweredMotion(lambda rates: rates, 300_000_000)
-        >>> told, _ = told.heard(WheelSample(0, (2.0, 2.0)))
-        >>> told = told.configured(AnsweredMotion(lambda rates: rates, 200_000_000))
-        >>> [sample.stamp_ns for sample in told.waiting]
+        >>> motion = AnsweredMotion(lambda rates: rates, 300_000_000)
+        >>> motion, _ = motion.update(WheelSample(0, (2.0, 2.0)))
+        >>> motion = motion.configured(AnsweredMotion(lambda rates: rates, 200_000_000))
+        >>> [sample.stamp_ns for sample in motion.waiting]
         [200000000]
 
         """
@@ -130,9 +130,9 @@ class AnsweredMotion(NamedTuple):
         return new._replace(waiting=(*over[-1:], *later), last=self.last)
 
     @staticmethod
-    def _told(
+    def _commanded(
             sample: WheelSample, last: Optional[WheelSample]) -> Optional[Tuple[int, WheelPair]]:
-        """Return from when on which rates were told; None where that is not known."""
+        """Return from when on which rates are commanded; None where that is not known."""
         if sample.rates is not None:
             return sample.stamp_ns, sample.rates
         if last is None or last.positions is None or sample.positions is None:

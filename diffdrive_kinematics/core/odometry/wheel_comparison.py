@@ -105,15 +105,15 @@ def judged(
 
     """
     longest, middle = max(map(abs, known)), _median(known)
-    unheard = tuple(out and travel != travel for travel, out in zip(travels, left_out))
+    silent = tuple(out and travel != travel for travel, out in zip(travels, left_out))
     if max(known) - min(known) <= SHARE * longest:
-        return any(unheard), unheard
+        return any(silent), silent
     apart = tuple(abs(travel - middle) > SHARE * longest for travel in travels)
     if 0 < 2 * sum(apart) < len(known):
-        return True, tuple(a or b for a, b in zip(apart, unheard))
+        return True, tuple(a or b for a, b in zip(apart, silent))
     stand = tuple(abs(travel) < STANDS * longest for travel in travels)
     if any(stand) and other >= SHARE * longest:
-        return True, tuple(a or b for a, b in zip(stand, unheard))
+        return True, tuple(a or b for a, b in zip(stand, silent))
     return True, left_out
 
 

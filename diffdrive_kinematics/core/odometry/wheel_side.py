@@ -151,13 +151,13 @@ class SideTrack(NamedTuple):
         if self.position != self.position:
             track = SideTrack.starting_at(readings, other)
             return track, track.position
-        heard = tuple(map(is_sane, readings))
-        used = tuple(a and not b for a, b in zip(heard, self.left_out))
+        present = tuple(map(is_sane, readings))
+        used = tuple(a and not b for a, b in zip(present, self.left_out))
         if not any(used):
             return self, math.nan
         track = self if used == self.used else self._regrouped(used)
         position = track._position_of(readings)
-        return track._with(readings, heard, position)._compared(heard, other)
+        return track._with(readings, present, position)._compared(present, other)
 
     def _position_of(self, readings: Sequence[float]) -> float:
         """Return the position [rad] by the wheels whose offsets are known."""
@@ -165,17 +165,17 @@ class SideTrack(NamedTuple):
             readings, self.offsets, self.used) if use and offset == offset]
         return sum(voters) / len(voters) if voters else self.position
 
-    def _with(self, readings: Sequence[float], heard: Flags, position: float) -> 'SideTrack':
+    def _with(self, readings: Sequence[float], present: Flags, position: float) -> 'SideTrack':
         """Return the track with new readings and a new position [rad]."""
-        known = tuple(new if hear else old for new, old, hear in zip(
-            readings, self.readings, heard))
+        known = tuple(new if here else old for new, old, here in zip(
+            readings, self.readings, present))
         return self._replace(
             position=position, readings=known,
             changes=tuple(count + (new != old) for count, new, old in zip(
                 self.changes, known, self.readings)),
             offsets=self._offsets(known, position, fresh_only=True),
-            start=tuple(new - (position - self.start_position) if hear and old != old else old
-                        for new, old, hear in zip(known, self.start, heard)))
+            start=tuple(new - (position - self.start_position) if here and old != old else old
+                        for new, old, here in zip(known, self.start, present)))
 
     def _offsets(self, readings: Floats, position: float, *, fresh_only: bool) -> Floats:
         """Return the offsets with those of the wheels in use that make the position [rad]."""
@@ -188,17 +188,17 @@ class SideTrack(NamedTuple):
         return self._replace(
             used=used, offsets=self._offsets(self.readings, self.position, fresh_only=False))
 
-    def _anew(self, heard: Flags, other: float) -> 'SideTrack':
+    def _anew(self, present: Flags, other: float) -> 'SideTrack':
         """Return the track with a comparison that begins here, for the others where they come."""
         return self._replace(
             changes=(0,) * len(self.changes), start=tuple(
-                reading if hear else math.nan for reading, hear in zip(self.readings, heard)),
+                reading if here else math.nan for reading, here in zip(self.readings, present)),
             start_position=self.position, start_other=other)
 
-    def _compared(self, heard: Flags, other: float) -> 'Tuple[SideTrack, float]':
+    def _compared(self, present: Flags, other: float) -> 'Tuple[SideTrack, float]':
         """Return the track with the wheels compared where they have gone far enough."""
-        travels = tuple(b - a if hear else math.nan for a, b, hear in zip(
-            self.start, self.readings, heard))
+        travels = tuple(b - a if here else math.nan for a, b, here in zip(
+            self.start, self.readings, present))
         known = [travel for travel in travels if travel == travel]
         longest = max(map(abs, known))
         if longest < LEAST_TRAVEL or not any(
@@ -210,12 +210,12 @@ class SideTrack(NamedTuple):
         disagreement = Disagreement(travels, left_out) if apart else None
         track = self._replace(disagreement=disagreement)
         if left_out != self.left_out:
-            track = track._without(left_out, heard, travels)
-        return track._anew(heard, other), track.position
+            track = track._without(left_out, present, travels)
+        return track._anew(present, other), track.position
 
-    def _without(self, left_out: Flags, heard: Flags, travels: Floats) -> 'SideTrack':
+    def _without(self, left_out: Flags, present: Flags, travels: Floats) -> 'SideTrack':
         """Return the track with the way since the comparison before without those left out."""
-        used = tuple(a and not b for a, b in zip(heard, left_out))
+        used = tuple(a and not b for a, b in zip(present, left_out))
         went_on = tuple(a and b for a, b in zip(used, self.used))
         position = self.position
         if any(a and b for a, b in zip(left_out, self.used)) and any(went_on):

@@ -60,7 +60,7 @@ class StampWatch:
         self._clock = self._clock.clock_stepped(step_ns)
 
     def problems(self) -> List[Problem]:
-        """Return the trouble of two clocks, where there are two."""
+        """Return that there are two clocks, where it is so."""
         return [Problem(WARN, self._finding())] if self._clock.differs else []
 
     def _finding(self) -> str:

@@ -51,7 +51,7 @@ class PublisherWatch:
     def __init__(self, node: Any, topic: str, subscription: Subscription, remedy: str) -> None:
         self._node, self._topic, self._remedy = node, topic, remedy
         self._count_of = subscription.get_publisher_count
-        self.count, self._trouble = 0, ''
+        self.count, self._problem = 0, ''
         node.runtime.every(LOOK_RATE, self._look)
 
     def _look(self) -> None:
@@ -61,14 +61,14 @@ class PublisherWatch:
         was, self.count = self.count, count
         topic = self._node.resolve_topic_name(self._topic)
         if count > 1:
-            self._trouble = (
+            self._problem = (
                 f"{count} publishers of '{topic}' ({publishers_of(self._node, topic)}): "
                 f'{self._remedy}')
-            self._node.get_logger().warning(self._trouble)
+            self._node.get_logger().warning(self._problem)
         elif was > 1:
-            self._trouble = ''
+            self._problem = ''
             self._node.get_logger().info(f"'{topic}' has no more than one publisher again")
 
     def problems(self) -> List[Problem]:
         """Return what is wrong, for diagnostics."""
-        return [Problem(WARN, self._trouble)] if self.count > 1 else []
+        return [Problem(WARN, self._problem)] if self.count > 1 else []

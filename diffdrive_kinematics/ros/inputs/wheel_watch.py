@@ -49,7 +49,7 @@ class WheelWatch:
         self._topic = node.resolve_topic_name(topic)
         self._contest, self._silent, self._apart = '', '', ''
         self._disagreements: List[str] = []
-        self._left_out = self._told_left_out = self._told_incomplete = 0
+        self._left_out = self._reported_left_out = self._reported_incomplete = 0
         node.runtime.every(LOOK_RATE, self._look)
 
     def _look(self) -> None:
@@ -75,8 +75,8 @@ class WheelWatch:
             self._silent = ''
             return
         missing, never = self._gathering.missing()
-        if never and self._told_incomplete != self._gathering.incomplete:
-            self._told_incomplete = self._gathering.incomplete
+        if never and self._reported_incomplete != self._gathering.incomplete:
+            self._reported_incomplete = self._gathering.incomplete
             self._node.rejections.refuse(
                 f"message on '{self._topic}': name is {list(self._reader.partial)!r}, only some "
                 f'of our joints, expected also {missing!r}')
@@ -94,17 +94,17 @@ class WheelWatch:
         if apart_ns <= MOST_APART_NS:
             self._apart = ''
             return
-        told, self._apart = self._apart, (
+        before, self._apart = self._apart, (
             f"stamps of {last!r} on '{self._topic}' are {apart_ns / 1e9:.3f} s behind those of "
             f'{first!r}, so the readings of the wheels are of different times: has each '
             'board a clock of its own?')
-        if not told:
+        if not before:
             self._node.get_logger().warning(self._apart)
 
     def _look_at_wheels(self) -> None:
         gathering = self._gathering
-        self._left_out = gathering.left_out - self._told_left_out
-        self._told_left_out = gathering.left_out
+        self._left_out = gathering.left_out - self._reported_left_out
+        self._reported_left_out = gathering.left_out
         if self._left_out:
             self._node.get_logger().warning(
                 f'{self._left_out_text()}, {gathering.left_out} so far: the other wheels of the '

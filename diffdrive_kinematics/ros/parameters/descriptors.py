@@ -11,7 +11,7 @@
 # WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
 # See the License for the specific language governing permissions and
 # limitations under the License.
-"""What ``ros2 param describe`` tells of a parameter."""
+"""What ``ros2 param describe`` says of a parameter."""
 
 import math
 from typing import Any, Callable, Dict, Mapping, Optional, Tuple
@@ -25,7 +25,7 @@ from diffdrive_kinematics.ros.parameters.parameter_spec import Kind, ParameterSp
 from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor
 from rcl_interfaces.srv import DescribeParameters
 
-__all__ = ['descriptor_of', 'telling_ranges']
+__all__ = ['descriptor_of', 'with_ranges']
 
 MOST_INTEGER = 2**63 - 1
 RANGES: Dict[Any, Tuple[float, float]] = {  # of the checks that have two ends and no exception
@@ -65,7 +65,7 @@ Answer = Callable[[DescribeParameters.Request, DescribeParameters.Response],
                   DescribeParameters.Response]
 
 
-def telling_ranges(
+def with_ranges(
         answer: Answer, table: Callable[[], Mapping[str, ParameterSpec]]) -> Answer:
     """
     Return the answer of the service that describes parameters, with ranges of numbers added.
@@ -81,7 +81,7 @@ def telling_ranges(
         Returns the parameters of the node, by name.
 
     """
-    def with_ranges(
+    def ranged(
             request: DescribeParameters.Request, response: DescribeParameters.Response
     ) -> DescribeParameters.Response:
         response = answer(request, response)
@@ -89,19 +89,19 @@ def telling_ranges(
             _ranged(each, table().get(each.name)) for each in response.descriptors]
         return response
 
-    return with_ranges
+    return ranged
 
 
 def _ranged(
         kept: ParameterDescriptor, entry: Optional[ParameterSpec]) -> ParameterDescriptor:
-    """Return a copy of a descriptor that tells the range of the parameter, where it has one."""
+    """Return a copy of a descriptor with the range of the parameter, where it has one."""
     if entry is None or entry.check not in RANGES:
         return kept
     least, most = RANGES[entry.check]
-    told = ParameterDescriptor(**{
+    ranged = ParameterDescriptor(**{
         name: getattr(kept, name) for name in kept.get_fields_and_field_types()})
     if entry.kind is Kind.INTEGER:
-        told.integer_range = [IntegerRange(from_value=int(least), to_value=int(most))]
+        ranged.integer_range = [IntegerRange(from_value=int(least), to_value=int(most))]
     else:
-        told.floating_point_range = [FloatingPointRange(from_value=least, to_value=most)]
-    return told
+        ranged.floating_point_range = [FloatingPointRange(from_value=least, to_value=most)]
+    return ranged

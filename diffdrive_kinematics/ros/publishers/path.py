@@ -11,7 +11,7 @@
 # WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
 # See the License for the specific language governing permissions and
 # limitations under the License.
-"""The way that a base has come, as a nav_msgs/Path: bounded, thinned out, and told slowly."""
+"""The way that a base has come, as a nav_msgs/Path: bounded, thinned out, and published slowly."""
 
 import math
 from typing import Any, Mapping, Optional, TYPE_CHECKING
@@ -46,7 +46,7 @@ class PathPublisher:
         self._spacing = values['path_spacing']
         self._message = PathCodec(frame_id, values['path_length'])
         self._last: Optional[Pose] = None
-        self._told_to = 0
+        self._subscribers = 0
         self._publisher = node.runtime.publish(Path, values['path_topic'])
         node.runtime.every(values['path_rate'], self._publish)
 
@@ -62,11 +62,11 @@ class PathPublisher:
             return
         self._last = pose
         self._message.add(time_ns, pose)
-        self._told_to = 0
+        self._subscribers = 0
 
     def _publish(self) -> None:
-        """Publish what somebody has not heard yet."""
-        listeners = self._publisher.get_subscription_count()
-        if len(self._message) and listeners > self._told_to:
+        """Publish the path where it has changed, or somebody subscribes anew."""
+        subscribers = self._publisher.get_subscription_count()
+        if len(self._message) and subscribers > self._subscribers:
             self._publisher.publish(self._message.encode())
-        self._told_to = listeners
+        self._subscribers = subscribers

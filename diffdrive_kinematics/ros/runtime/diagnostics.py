@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 """
-What a node tells about its own health, as diagnostic_msgs.
+The health of a node, as diagnostic_msgs.
 
 Nodes count while they work, and that is all it costs them; at a low rate the counts are looked
 at, compared with those of the look before, and published where anybody listens.
@@ -28,8 +28,7 @@ from rclpy.publisher import Publisher
 
 __all__ = [
     'ERROR', 'MessageStatistics', 'OK', 'Problem', 'RateSample', 'Reporter', 'Status', 'TOPIC',
-    'WARN',
-    'heard_values', 'quiet', 'slowness', 'stamp_values', 'unheard']
+    'WARN', 'stamp_values']
 
 TOPIC = '/diagnostics'
 OK, WARN, ERROR = DiagnosticStatus.OK, DiagnosticStatus.WARN, DiagnosticStatus.ERROR
@@ -49,22 +48,29 @@ class Problem(NamedTuple):
 
 
 class Status(NamedTuple):
-    """What there is to tell: values by name, numbers or text, and what is wrong."""
+    """Values by name, numbers or text, and what is wrong."""
 
     values: Mapping[str, Any]
     problems: List[Problem]
 
 
 class RateSample(NamedTuple):
-    """A look at a node: when [ns], and the achieved rate [Hz] since the one before."""
+    """When a node was looked at [ns], and the rate [Hz] and time [s] since the sample before."""
 
     now_ns: int
     rate: Optional[float] = None
     seconds: float = 0.0
 
+    def problems(self, wanted: float) -> List[Problem]:
+        """Return that messages are sent clearly less often than the rate [Hz] that is set."""
+        if (self.rate is None or self.seconds * wanted < FEWEST_TO_JUDGE
+                or self.rate >= SLOW * wanted):
+            return []
+        return [Problem(WARN, f'publishes at {self.rate:.1f} Hz, set to {wanted:.1f}')]
+
 
 class MessageStatistics:
-    """What a node has heard: how much, when last, and how far stamps were from arrival."""
+    """Messages that came: how many, when the last one did, and how old stamps were then."""
 
     def __init__(self) -> None:
         self.count = 0
@@ -88,44 +94,48 @@ class MessageStatistics:
         """Return the time [s] since the last message; None: none came since time began."""
         return (now_ns - self.last_ns) / NANOSECONDS if self.count and self.last_ns else None
 
+    def values(self, now_ns: int, what: str) -> Dict[str, Any]:
+        """Return how many messages have come, and how long ago the last one did."""
+        return {f'age of the last {what} [s]': self.age(now_ns), f'{what} messages': self.count}
 
-def heard_values(heard: MessageStatistics, now_ns: int, what: str) -> Dict[str, Any]:
-    """Return how much of what was heard, and how long ago."""
-    return {f'age of the last {what} [s]': heard.age(now_ns), f'{what} messages': heard.count}
+    def problems(
+            self, now_ns: int, timeout: float, topic: str, *, at_rest: bool = False,
+            none_yet: bytes = WARN) -> List[Problem]:
+        """
+        Return that no message has come yet, or none for a timeout.
+
+        Parameters
+        ----------
+        now_ns : int
+            The time [ns].
+        timeout : float
+            Time without a message [s] that is a problem; 0: none is.
+        topic : str
+            Name of the topic.
+        at_rest : bool
+            Whether the robot stands, so that no messages are no problem.
+        none_yet : bytes
+            How bad it is that none has come since the start.
+
+        """
+        if not self.count:
+            return [Problem(none_yet, f"no messages on '{topic}' yet")]
+        age = self.age(now_ns)
+        if age is None or not 0.0 < timeout < age:
+            return []
+        text = f"no messages on '{topic}' for {age:.1f} s"
+        return [Problem(OK, f'at rest, {text}') if at_rest else Problem(WARN, text)]
 
 
 def stamp_values(counts: Mapping[str, int]) -> Dict[str, Any]:
-    """Return how often stamps of wheel motion were not taken as they came."""
+    """Return how often stamps of wheel motion were out of order, or showed a step of a clock."""
     return {'out of order': counts[Verdict.OUT_OF_ORDER.value],
             'clock steps in stamps': counts[Verdict.CLOCK_STEP.value]}
 
 
-def unheard(heard: MessageStatistics, topic: str, level: bytes = WARN) -> List[Problem]:
-    """Return that nothing was heard yet, where it is so."""
-    return [] if heard.count else [Problem(level, f"no messages on '{topic}' yet")]
-
-
-def quiet(
-        heard: MessageStatistics, now_ns: int, timeout: float, topic: str, *,
-        at_rest: bool = False) -> List[Problem]:
-    """Return that nothing was heard for a timeout [s], 0: never; at rest that is no trouble."""
-    age = heard.age(now_ns)
-    if age is None or not 0.0 < timeout < age:
-        return []
-    words = f"no messages on '{topic}' for {age:.1f} s"
-    return [Problem(OK, f'at rest, {words}') if at_rest else Problem(WARN, words)]
-
-
-def slowness(look: RateSample, rate: float) -> List[Problem]:
-    """Return the trouble of publishing clearly less often than the rate [Hz] that is set."""
-    if look.rate is None or look.seconds * rate < FEWEST_TO_JUDGE or look.rate >= SLOW * rate:
-        return []
-    return [Problem(WARN, f'publishes at {look.rate:.1f} Hz, set to {rate:.1f}')]
-
-
 class Reporter:
     """
-    Turns what a node tells into one status of a DiagnosticArray.
+    Publishes a node's status as a DiagnosticArray.
 
     Parameters
     ----------
@@ -141,35 +151,35 @@ class Reporter:
         self._status = DiagnosticStatus(name=name, hardware_id=hardware_id)
         self._message = DiagnosticArray(status=[self._status])
         self._counts: Dict[str, int] = {}
-        self._look_ns, self._sent = 0, 0
+        self._sampled_ns, self._sent = 0, 0
 
-    def look(self, now_ns: int, sent: int) -> RateSample:
-        """Return a look at a node that has sent so many messages."""
-        seconds = (now_ns - self._look_ns) / NANOSECONDS
-        known = self._sent > 0 and self._look_ns > 0 and seconds > 0.0
+    def sample(self, now_ns: int, sent: int) -> RateSample:
+        """Return the rate of a node that has sent so many messages up to now."""
+        seconds = (now_ns - self._sampled_ns) / NANOSECONDS
+        known = self._sent > 0 and self._sampled_ns > 0 and seconds > 0.0
         rate = (sent - self._sent) / seconds if known else None
-        self._look_ns, self._sent = now_ns, sent
+        self._sampled_ns, self._sent = now_ns, sent
         return RateSample(now_ns, rate, seconds)
 
     def clock_stepped(self, step_ns: int) -> None:
-        """Note that the clock of the looks was stepped."""
-        self._look_ns += step_ns
+        """Note that the clock of the samples was stepped."""
+        self._sampled_ns += step_ns
 
     def report(self, now_ns: int, status: Status) -> None:
-        """Publish a status; what was counted since the last one is trouble, too."""
+        """Publish a status; alarms that were counted since the last one are problems, too."""
         problems = [*self._grown(status.values), *status.problems]
         if not self._publisher.get_subscription_count():
             return
-        problems.sort(key=lambda trouble: -SEVERITY.index(trouble.level))
+        problems.sort(key=lambda problem: -SEVERITY.index(problem.level))
         self._status.level = problems[0].level if problems else OK
-        self._status.message = '; '.join(trouble.message for trouble in problems) or 'ok'
+        self._status.message = '; '.join(problem.message for problem in problems) or 'ok'
         self._status.values = [
             KeyValue(key=key, value=_text(value)) for key, value in status.values.items()]
         set_stamp(self._message.header.stamp, now_ns)
         self._publisher.publish(self._message)
 
     def _grown(self, values: Mapping[str, Any]) -> List[Problem]:
-        """Return the alarms that have gone up since the last look."""
+        """Return the alarms that were counted since the last report."""
         before, self._counts = self._counts, {
             name: values[name] for name in ALARMS if name in values}
         return [

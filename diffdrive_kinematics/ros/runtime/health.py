@@ -65,10 +65,10 @@ class Health:
             self._reporter.clock_stepped(step_ns)
 
     def _report(self) -> None:
-        look = self._reporter.look(self._runtime.now_ns(), self.sent)
-        values, problems = self._status(look)
+        sample = self._reporter.sample(self._runtime.now_ns(), self.sent)
+        values, problems = self._status(sample)
         if self.clock and self._runtime.clock.ros_time_is_active:
             problems = [*self.clock.problems(), *problems]
-        self._reporter.report(look.now_ns, Status(
+        self._reporter.report(sample.now_ns, Status(
             {**values, 'refused': self._counts['refused'],
              'clock steps': self._counts['clock steps']}, problems))

@@ -72,7 +72,7 @@ class InFlightMessages:
         """Start counting anew, so that messages from elsewhere do not add up."""
         self._in_flight.clear()
 
-    def heard_within(self) -> Dict[str, List[str]]:
+    def internal_topics(self) -> Dict[str, List[str]]:
         """Return the nodes that publish each topic on which this process listens to itself."""
         return {topic: nodes for topic, nodes in self._owners.items() if self._listeners[topic]}
 

@@ -19,7 +19,7 @@ import time
 from typing import (
     Any, Callable, Collection, Generic, Iterator, Mapping, Optional, Sequence, Set, Tuple, TypeVar)
 
-from diffdrive_kinematics.ros.parameters.descriptors import telling_ranges
+from diffdrive_kinematics.ros.parameters.descriptors import with_ranges
 from diffdrive_kinematics.ros.parameters.parameter_spec import ParameterSpec
 from diffdrive_kinematics.ros.parameters.parameters import ParameterSet
 from diffdrive_kinematics.ros.runtime.clocks import SteadyTimers, SteppedClock
@@ -127,7 +127,7 @@ class DiffDriveNode(Node, Generic[Config], metaclass=_LeavesWhereRefused):
             *arguments: Any, **options: Any) -> Service:
         """Return a service that is guarded, as are those of parameters, which rclpy makes."""
         if srv_type is DescribeParameters:
-            callback = telling_ranges(callback, lambda: self.parameters.table)
+            callback = with_ranges(callback, lambda: self.parameters.table)
         return super().create_service(
             srv_type, srv_name, self.rejections.guarded_service(srv_name, callback), *arguments,
             **options)
@@ -140,8 +140,8 @@ class DiffDriveNode(Node, Generic[Config], metaclass=_LeavesWhereRefused):
     def on_clock_look(self, stood_s: float) -> None:
         """Do what a simulated clock that has stood for so long [s] cannot bring about."""
 
-    def status(self, look: RateSample) -> Status:
-        """Return what only this node can tell about its health."""
+    def status(self, sample: RateSample) -> Status:
+        """Return what only this node knows of its health."""
         return Status({}, [])
 
     def ready(self) -> bool:
@@ -149,9 +149,9 @@ class DiffDriveNode(Node, Generic[Config], metaclass=_LeavesWhereRefused):
         return True
 
     def final_command(self) -> Sequence[Publisher]:
-        """Publish what must be said before the node goes, and return the publishers used."""
+        """Publish the final command of the node, and return the publishers used."""
         return ()
 
     def close(self) -> None:
-        """Have the final command said and heard; called once, while it still can be said."""
+        """Have the final command arrive; called once, while it still can be published."""
         self.runtime.conclude(self.final_command)

@@ -167,14 +167,14 @@ def run(work: Callable[[Stop], int], args: Optional[List[str]] = None) -> int:
 
 
 def finish(nodes: Sequence[DiffDriveNode], executor: Executor) -> None:
-    """Have the final command of every node heard, then end the executor."""
+    """Have the final command of every node arrive, then end the executor."""
     for node in nodes:
         node.close()
     executor.shutdown()
 
 
 def spin_node(node: DiffDriveNode, timers: SteadyTimers, stop: Stop) -> None:
-    """Spin one node until it is done or asked to stop, and have its final command heard."""
+    """Spin one node until it is done or asked to stop, and have its final command arrive."""
     executor = make_executor([node], node.parameters.values['executor'])
     try:
         spin(executor, timers, lambda: node.done, stop, needs_wakeup=node.runtime.needs_wakeup)

@@ -20,10 +20,11 @@ What a node may ask of the world, and the plain answer: rclpy's own timers and c
 
 from typing import Any, Callable, Optional, Sequence, Set
 
-from diffdrive_kinematics.ros.parameters.qos import best_effort as hearing_all, latched, reliable
+from diffdrive_kinematics.ros.parameters.qos import (
+    best_effort as best_effort_profile, latched, reliable)
 from diffdrive_kinematics.ros.runtime.clocks import period_ns, Timer
 from diffdrive_kinematics.ros.runtime.endpoints import Endpoints, QUEUE_DEPTH
-from diffdrive_kinematics.ros.runtime.final_command import repeat_until_heard
+from diffdrive_kinematics.ros.runtime.final_command import repeat_until_acknowledged
 from diffdrive_kinematics.ros.runtime.polling import Poll
 from diffdrive_kinematics.ros.runtime.rclpy_private import informing, MessageInfo, time_of
 from diffdrive_kinematics.ros.runtime.rejections import Rejections
@@ -129,8 +130,8 @@ class Runtime:
         """
         self.needs_wakeup = self.needs_wakeup or needs_wakeup
         return self._endpoints.subscription(
-            message_type, topic, self._heard(topic, callback, informed),
-            hearing_all(QUEUE_DEPTH) if best_effort else None, raw=raw)
+            message_type, topic, self._guarded(topic, callback, informed),
+            best_effort_profile(QUEUE_DEPTH) if best_effort else None, raw=raw)
 
     def listen_to_any(
             self, message_type: type, topic: str, callback: Callable[[Any], None]) -> None:
@@ -141,7 +142,7 @@ class Runtime:
         there is a subscription for each: the callback may get a message several times.
         """
         self.listen(message_type, topic, callback)
-        for profile in (latched(), hearing_all()):
+        for profile in (latched(), best_effort_profile()):
             self.listen_beside(message_type, topic, callback, profile)
 
     def listen_beside(
@@ -159,7 +160,7 @@ class Runtime:
         self._beside.add(subscription)
         return subscription
 
-    def _heard(
+    def _guarded(
             self, topic: str, callback: Callable[..., None],
             informed: bool) -> Callable[..., None]:
         """Return what an executor calls back."""
@@ -194,6 +195,6 @@ class Runtime:
         """Return a client of a service."""
         return self._node.create_client(service_type, name)
 
-    def conclude(self, say: Callable[[], Sequence[Publisher]]) -> None:
-        """Have the final command said, and see that it is heard."""
-        repeat_until_heard(self._node, say)
+    def conclude(self, publish: Callable[[], Sequence[Publisher]]) -> None:
+        """Have the final command published, and wait until it has arrived."""
+        repeat_until_acknowledged(self._node, publish)

@@ -65,7 +65,7 @@ class SteppedRuntime(Runtime):
         self._in_flight.count_sent(publisher, self._node.get_fully_qualified_name())
         return publisher
 
-    def _heard(
+    def _guarded(
             self, topic: str, callback: Callable[..., None],
             informed: bool) -> Callable[..., None]:
         """Count what is handled; what the middleware knows is not the same in every run."""
@@ -79,9 +79,9 @@ class SteppedRuntime(Runtime):
             self._in_flight.remove_listener(subscription.topic_name)
         super().unlisten(subscription)
 
-    def conclude(self, say: Callable[[], Any]) -> None:
-        """Have the final command said; nothing gets lost."""
-        say()
+    def conclude(self, publish: Callable[[], Any]) -> None:
+        """Have the final command published; nothing gets lost."""
+        publish()
 
 
 class LeanRuntime(Runtime):

@@ -128,8 +128,9 @@ class SimClockDriver:
     def _look_around(self, *, patience_s: float = 0.0) -> None:
         """Raise ``Disturbed`` where others publish what only this process should."""
         self._look_around_at = time.monotonic() + LOOK_AROUND_PERIOD_S
-        clock = {self._publisher.topic_name: [self._node.get_fully_qualified_name()]}
-        check_alone(self._node, {**self._in_flight.heard_within(), **clock}, patience_s=patience_s)
+        own = {**self._in_flight.internal_topics(),
+               self._publisher.topic_name: [self._node.get_fully_qualified_name()]}
+        check_alone(self._node, own, patience_s=patience_s)
 
     def _deliver(self, executor: Executor) -> None:
         """Let every message in flight be handled, and all that these cause."""

@@ -38,7 +38,7 @@ def heard(period_ms, end_ms=3000, delay_ns=DELAY_NS):
     stamps = sorted({*range(0, end_ms + 1, period_ms), 500, 1500})
     for stamp in stamps:
         rate = 1.0 if 500 <= stamp < 1500 else 0.0
-        told, due = told.heard(WheelSample(stamp * MS, (rate, rate)))
+        told, due = told.update(WheelSample(stamp * MS, (rate, rate)))
         done += due
     return done
 
@@ -58,9 +58,9 @@ def test_without_a_delay_it_is_done_at_once():
 
 
 def test_a_robot_rests_until_something_is_due():
-    told, due = AnsweredMotion(doubled, DELAY_NS).heard(WheelSample(0, (1.0, 1.0)))
+    told, due = AnsweredMotion(doubled, DELAY_NS).update(WheelSample(0, (1.0, 1.0)))
     assert [each.rates for each in due] == [(0.0, 0.0)]
-    _, due = told.heard(WheelSample(DELAY_NS - 1, (1.0, 1.0)))
+    _, due = told.update(WheelSample(DELAY_NS - 1, (1.0, 1.0)))
     assert due == []
 
 
@@ -68,14 +68,14 @@ def test_of_positions_alone_the_rates_between_them_are_done():
     told = AnsweredMotion(doubled, DELAY_NS)
     done = []
     for number in range(8):
-        told, due = told.heard(WheelSample(number * 500 * MS, None, (0.5 * number, 0.0)))
+        told, due = told.update(WheelSample(number * 500 * MS, None, (0.5 * number, 0.0)))
         done += due
     assert done[1].stamp_ns == DELAY_NS and done[1].rates == (2.0, 0.0)
 
 
 def test_where_time_goes_back_what_waited_is_dropped():
-    told, _ = AnsweredMotion(doubled, DELAY_NS).heard(WheelSample(10**12, (1.0, 1.0)))
-    told, due = told.heard(WheelSample(5, (3.0, 3.0)))
+    told, _ = AnsweredMotion(doubled, DELAY_NS).update(WheelSample(10**12, (1.0, 1.0)))
+    told, due = told.update(WheelSample(5, (3.0, 3.0)))
     assert [(each.stamp_ns, each.rates) for each in due] == [(5, (0.0, 0.0))]
     assert [each.rates for each in told.waiting] == [(6.0, 6.0)]
 
@@ -88,7 +88,7 @@ def test_another_delay_on_the_way_keeps_the_order_of_what_is_done(at_ms, other_n
         if at_ms <= stamp < at_ms + 20:
             told = told.configured(AnsweredMotion(doubled, other_ns))
         rate = 1.0 if 500 <= stamp < 1500 else 0.0
-        told, due = told.heard(WheelSample(stamp * MS, (rate, rate)))
+        told, due = told.update(WheelSample(stamp * MS, (rate, rate)))
         done += due
     stamps = [each.stamp_ns for each in done]
     assert stamps == sorted(set(stamps))

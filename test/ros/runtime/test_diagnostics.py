@@ -20,7 +20,7 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from diffdrive_kinematics.nodes.simulated_base import SimulatedBase
 from diffdrive_kinematics.nodes.wheel_noise import WheelNoise
 from diffdrive_kinematics.ros.runtime.diagnostics import (
-    MessageStatistics, Problem, quiet, RateSample, Reporter, slowness, Status, unheard)
+    MessageStatistics, Problem, RateSample, Reporter, Status)
 import pytest
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState
@@ -170,26 +170,27 @@ def test_nothing_is_published_where_nobody_listens():
 
 def test_a_rate_is_what_was_sent_since_the_last_look_and_judged_where_there_is_enough_of_it():
     reporter = Reporter('/node', 'robot', Listeners())
-    assert reporter.look(10**9, 0).rate is None
-    assert reporter.look(2 * 10**9, 3).rate is None  # it began in between
-    assert reporter.look(3 * 10**9, 53) == RateSample(3 * 10**9, 50.0, 1.0)
-    assert reporter.look(3 * 10**9, 60).rate is None
-    assert slowness(RateSample(0, 39.0, 1.0), 50.0) == [
+    assert reporter.sample(10**9, 0).rate is None
+    assert reporter.sample(2 * 10**9, 3).rate is None  # it began in between
+    assert reporter.sample(3 * 10**9, 53) == RateSample(3 * 10**9, 50.0, 1.0)
+    assert reporter.sample(3 * 10**9, 60).rate is None
+    assert RateSample(0, 39.0, 1.0).problems(50.0) == [
         Problem(WARN, 'publishes at 39.0 Hz, set to 50.0')]
-    assert slowness(RateSample(0, 41.0, 1.0), 50.0) == slowness(RateSample(0, 0.0, 1.0), 4.0) == []
+    assert RateSample(0, 41.0, 1.0).problems(50.0) == []
+    assert RateSample(0, 0.0, 1.0).problems(4.0) == []
 
 
 def test_the_skew_of_stamps_is_kept_with_its_sign_and_its_largest():
-    heard = MessageStatistics()
-    assert heard.age(5) is None and unheard(heard, 'in')[0].level == WARN
-    assert quiet(heard, 5, 1.0, 'in') == []
+    received = MessageStatistics()
+    assert received.age(5) is None
+    assert received.problems(5, 1.0, 'in') == [Problem(WARN, "no messages on 'in' yet")]
+    assert received.problems(5, 1.0, 'in', none_yet=OK)[0].level == OK
     for now, stamp in ((10, 9), (20, 25), (30, 28)):
-        heard.note(now, stamp)
-    assert (heard.count, heard.skew_ns, heard.largest_skew_ns) == (3, 2, -5)
-    assert heard.age(30 + 2 * 10**9) == 2.0
-    assert unheard(heard, 'in') == []
-    assert quiet(heard, 31, 1.0, 'in') == quiet(heard, 9 * 10**9, 0.0, 'in') == []
-    assert 'for 2.0 s' in quiet(heard, 30 + 2 * 10**9, 1.0, 'in')[0].message
+        received.note(now, stamp)
+    assert (received.count, received.skew_ns, received.largest_skew_ns) == (3, 2, -5)
+    assert received.age(30 + 2 * 10**9) == 2.0
+    assert received.problems(31, 1.0, 'in') == received.problems(9 * 10**9, 0.0, 'in') == []
+    assert 'for 2.0 s' in received.problems(30 + 2 * 10**9, 1.0, 'in')[0].message
 
 
 def test_ages_and_rates_are_those_of_before_where_the_clock_was_stepped():
@@ -203,9 +204,9 @@ def test_ages_and_rates_are_those_of_before_where_the_clock_was_stepped():
         assert status.values['age of the last wheel motion [s]'] == 0.7
         assert [trouble.level for trouble in status.problems] == [WARN]
     reporter = Reporter('/node', 'robot', Listeners())
-    reporter.look(10**12, 1)
+    reporter.sample(10**12, 1)
     reporter.clock_stepped(-5 * 10**11)
-    assert reporter.look(5 * 10**11 + 10**9, 51).rate == 50.0
+    assert reporter.sample(5 * 10**11 + 10**9, 51).rate == 50.0
 
 
 @pytest.mark.parametrize('rate, level', [(0.0, OK), (1.0, WARN)])
