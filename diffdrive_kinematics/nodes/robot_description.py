@@ -19,8 +19,8 @@ from typing import Any, Mapping
 
 from diffdrive_kinematics.ros.messages.urdf import default_wheel_base, Shape, urdf_of
 from diffdrive_kinematics.ros.messages.wheel_joints import wheel_joints
+from diffdrive_kinematics.ros.parameters.configuration_error import refusing
 from diffdrive_kinematics.ros.parameters.from_values import check_sides, wheel_geometry
-from diffdrive_kinematics.ros.parameters.parameters import ConfigurationError
 from diffdrive_kinematics.ros.parameters.qos import latched
 from diffdrive_kinematics.ros.parameters.tables import ROBOT_DESCRIPTION
 from diffdrive_kinematics.ros.runtime.node import DiffDriveNode
@@ -74,11 +74,8 @@ class RobotDescription(DiffDriveNode[Config]):
 
     def _write(self, file: str) -> None:
         text = _params_file(self.config.urdf) if file.endswith('.yaml') else self.config.urdf
-        try:
+        with refusing(self.get_fully_qualified_name()):
             write_files({file: text.encode()}, overwrite=self.config.values['overwrite'])
-        except ValueError as error:
-            raise ConfigurationError(
-                f'{self.get_fully_qualified_name()} refuses to start: {error}') from error
         self.get_logger().info(f'wrote {file}')
 
 

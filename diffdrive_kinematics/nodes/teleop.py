@@ -22,7 +22,7 @@ from typing import Any, Mapping, Sequence, Tuple
 
 from diffdrive_kinematics.core.commands import Helm
 from diffdrive_kinematics.ros.messages.codec import TwistCodec
-from diffdrive_kinematics.ros.parameters.parameters import ConfigurationError
+from diffdrive_kinematics.ros.parameters.configuration_error import refusing
 from diffdrive_kinematics.ros.parameters.tables import TELEOP
 from diffdrive_kinematics.ros.runtime.node import DiffDriveNode
 from diffdrive_kinematics.ros.runtime.output import show
@@ -66,11 +66,8 @@ class Teleop(DiffDriveNode[Config]):
         self._publisher = self.runtime.publish(
             TwistStamped if stamped else Twist, values['cmd_vel_topic'])
         self._speeds = values['speed'], values['yaw_rate']
-        try:
+        with refusing(self.get_fully_qualified_name()):
             self._keyboard = Keyboard(sys.stdin.fileno() if sys.stdin else -1)
-        except ValueError as error:
-            raise ConfigurationError(
-                f'{self.get_fully_qualified_name()} refuses to start: {error}') from error
         atexit.register(self._keyboard.close)
         self._helm, self._key, self._drove = Helm(values['key_timeout']), '', False
         show(HELP)

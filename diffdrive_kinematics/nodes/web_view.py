@@ -25,7 +25,7 @@ from diffdrive_kinematics.ros.inputs.remote_parameters import RemoteParameters
 from diffdrive_kinematics.ros.inputs.remote_triggers import RemoteTriggers
 from diffdrive_kinematics.ros.messages.codec import TwistCodec
 from diffdrive_kinematics.ros.messages.messages import quaternion_of, set_stamp
-from diffdrive_kinematics.ros.parameters.parameters import ConfigurationError
+from diffdrive_kinematics.ros.parameters.configuration_error import refusing
 from diffdrive_kinematics.ros.parameters.tables import WEB_VIEW
 from diffdrive_kinematics.ros.runtime.diagnostics import RateSample, Status
 from diffdrive_kinematics.ros.runtime.node import DiffDriveNode
@@ -86,11 +86,12 @@ class WebView(DiffDriveNode[Config]):
             'drive': self._do_drive, 'goal': self._do_goal, 'set': self._do_set,
             'reset': self._do_reset, 'stop': self._do_stop, 'resume': self._do_resume,
             'joined': self._do_joined, 'left': self._do_left}
-        self._page = self._served(values)
+        with refusing(self.get_fully_qualified_name()):
+            self._page = self._served(values)
         self.runtime.every(values['frame_rate'], self._tick, steadily=True)
 
     def _served(self, values: Mapping[str, Any]) -> Any:
-        """Return the page, or raise ``ConfigurationError`` where it cannot be served."""
+        """Return the page, or raise ``ValueError`` where it cannot be served."""
         host, port = values['host'], values['port']
         try:
             from diffdrive_kinematics.tools.web_page import Slider, WebPage
@@ -99,14 +100,13 @@ class WebView(DiffDriveNode[Config]):
                 [Slider(*each) for each in NOISE] if self._noise else [],
                 {'separation': values['wheel_separation'], 'radius': values['wheel_radius']})
         except ImportError as error:
-            raise ConfigurationError(
-                f'{self.get_fully_qualified_name()} refuses to start: {error.name} is missing, '
-                "expected NiceGUI: pip install '.[web]' in a clone of this package, or pip "
-                'install nicegui') from error
+            raise ValueError(
+                f"{error.name} is missing, expected NiceGUI: pip install '.[web]' in a clone of "
+                'this package, or pip install nicegui') from error
         except OSError as error:
-            raise ConfigurationError(
-                f'{self.get_fully_qualified_name()} refuses to start: host is {host!r} and port '
-                f'is {port}, expected an address to listen on ({error.strerror})') from error
+            raise ValueError(
+                f'host is {host!r} and port is {port}, expected an address to listen on '
+                f'({error.strerror})') from error
         if host not in LOOPBACK:
             self.get_logger().warning(
                 f'host is {host!r}: whoever reaches this address drives the robot')

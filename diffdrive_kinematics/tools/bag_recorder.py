@@ -31,13 +31,9 @@ from diffdrive_kinematics.tools.output_files import (
 from rclpy.publisher import Publisher
 from rclpy.serialization import serialize_message
 
-__all__ = ['BagRecorder', 'CannotRecord']
+__all__ = ['BagRecorder']
 
 NOT_OURS = ('/rosout', '/parameter_events')
-
-
-class CannotRecord(ValueError):
-    """A bag cannot be written, and why."""
 
 
 class BagRecorder:
@@ -53,16 +49,13 @@ class BagRecorder:
 
     Raises
     ------
-    CannotRecord
+    ValueError
         If the file exists or cannot be written, or nothing is installed that writes it.
 
     """
 
     def __init__(self, path: str, *, overwrite: bool) -> None:
-        try:
-            check_writable(path, name='record', overwrite=overwrite, grows=True)
-        except ValueError as error:
-            raise CannotRecord(str(error)) from error
+        check_writable(path, name='record', overwrite=overwrite, grows=True)
         self._path, self._overwrite, self._failed = path, overwrite, ''
         self._directory = Path(part_of(path))
         self._writer: Any = _writer(str(self._directory))
@@ -101,7 +94,7 @@ class BagRecorder:
         return (self._last_ns - self._first_ns) / 1e9
 
     def close(self) -> str:
-        """Complete the file and return a line that says so; ``CannotRecord`` if it cannot be."""
+        """Complete the file and return a line that says so; ``ValueError`` if it cannot be."""
         try:
             if self._failed:
                 raise OSError(self._failed)
@@ -110,7 +103,7 @@ class BagRecorder:
             path = free_path(self._path, overwrite=self._overwrite)
             place(str(written), path, overwrite=self._overwrite)
         except (OSError, RuntimeError, ValueError) as error:
-            raise CannotRecord(
+            raise ValueError(
                 f'record is {self._path!r}, which cannot be written: {error}') from error
         finally:
             self.discard()
@@ -132,7 +125,7 @@ def _writer(directory: str) -> Any:
     try:
         return _WithRosbag2Py(directory)
     except ImportError as error:
-        raise CannotRecord(f'{MISSING} ({error})') from error
+        raise ValueError(f'{MISSING} ({error})') from error
 
 
 class _WithRosbags:

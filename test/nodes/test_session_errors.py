@@ -24,7 +24,7 @@ from diffdrive_kinematics.core.noise import (
     travel_of_command, WheelSlip)
 from diffdrive_kinematics.nodes.simulated_base import SimulatedBase
 from diffdrive_kinematics.nodes.wheel_noise import WheelNoise
-from diffdrive_kinematics.ros.parameters.descriptors import RANGES
+from diffdrive_kinematics.ros.parameters.descriptors import range_of
 from diffdrive_kinematics.ros.parameters.parameter_checks import check_slip
 from diffdrive_kinematics.ros.parameters.tables import SIMULATED_BASE
 from diffdrive_kinematics.tools.robots import moments_of
@@ -147,7 +147,7 @@ def test_a_curvature_asks_for_the_separation(diffdrive):
 
 
 def test_a_covariance_is_finite_whatever_may_be_set():
-    most = {entry.name: RANGES[entry.check][1] for entry in SIMULATED_BASE
+    most = {entry.name: range_of(entry)[1] for entry in SIMULATED_BASE
             if entry.check is check_slip}
     assert len(most) == 6
     fractions = {f'session_{name}_stddev': 0.1 for name in ('scale', 'separation')}

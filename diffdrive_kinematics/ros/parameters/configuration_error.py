@@ -25,9 +25,10 @@ class ConfigurationError(Exception):
 
 
 @contextmanager
-def refusing() -> Iterator[None]:
-    """Take each ``ValueError`` of what is done here for one of the parameters."""
+def refusing(node: str = '') -> Iterator[None]:
+    """Take each ``ValueError`` for one of a parameter, with which a node of this name ends."""
     try:
         yield
     except ValueError as error:
-        raise ConfigurationError(str(error)) from error
+        raise ConfigurationError(
+            f'{node} refuses to start: {error}' if node else str(error)) from error

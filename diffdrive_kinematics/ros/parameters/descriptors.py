@@ -14,26 +14,15 @@
 """What ``ros2 param describe`` says of a parameter."""
 
 import math
-from typing import Any, Callable, Dict, Mapping, Optional, Tuple
+from typing import Callable, Mapping, Optional, Tuple
 
 from diffdrive_kinematics.core.kinematics import check_rate
-from diffdrive_kinematics.ros.parameters.parameter_checks import (
-    check_count, check_delay, check_gear_ratio, check_optional_seed, check_port, check_seed,
-    check_slip, check_stages, check_update_rate, check_window, LEAST_UPDATE_RATE, MOST,
-    MOST_DELAY, MOST_IN_WINDOW, MOST_SLIP, MOST_STAGES, MOST_UPDATE_RATE)
+from diffdrive_kinematics.ros.parameters.parameter_checks import Within
 from diffdrive_kinematics.ros.parameters.parameter_spec import Kind, ParameterSpec
 from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor
 from rcl_interfaces.srv import DescribeParameters
 
-__all__ = ['descriptor_of', 'with_ranges']
-
-MOST_INTEGER = 2**63 - 1
-RANGES: Dict[Any, Tuple[float, float]] = {  # of the checks that have two ends and no exception
-    check_count: (1, MOST), check_window: (1, MOST_IN_WINDOW), check_stages: (1, MOST_STAGES),
-    check_port: (0, 65535), check_seed: (0, MOST_INTEGER),
-    check_optional_seed: (-1, MOST_INTEGER), check_rate: (1e-6, 1e6),
-    check_gear_ratio: (1e-3, 1e6), check_update_rate: (LEAST_UPDATE_RATE, MOST_UPDATE_RATE),
-    check_delay: (0.0, MOST_DELAY), check_slip: (0.0, MOST_SLIP)}
+__all__ = ['descriptor_of', 'range_of', 'with_ranges']
 
 IMPOSSIBLE = {Kind.DOUBLE: -math.inf, Kind.INTEGER: -2**62, Kind.STRING: '~ ', Kind.STRINGS: (),
               Kind.DOUBLES: (-math.inf,)}
@@ -59,6 +48,13 @@ def _expected(entry: ParameterSpec) -> str:
     except ValueError as error:
         return str(error).partition('expected ')[2].partition(' (topic')[0]
     return ''
+
+
+def range_of(entry: ParameterSpec) -> Optional[Tuple[float, float]]:
+    """Return the ends of what a parameter may be; None where it has not two, or an exception."""
+    if entry.check is check_rate:
+        return 1e-6, 1e6
+    return (entry.check.least, entry.check.most) if isinstance(entry.check, Within) else None
 
 
 Answer = Callable[[DescribeParameters.Request, DescribeParameters.Response],
@@ -95,9 +91,10 @@ def with_ranges(
 def _ranged(
         kept: ParameterDescriptor, entry: Optional[ParameterSpec]) -> ParameterDescriptor:
     """Return a copy of a descriptor with the range of the parameter, where it has one."""
-    if entry is None or entry.check not in RANGES:
+    ends = entry and range_of(entry)
+    if not ends:
         return kept
-    least, most = RANGES[entry.check]
+    least, most = ends
     ranged = ParameterDescriptor(**{
         name: getattr(kept, name) for name in kept.get_fields_and_field_types()})
     if entry.kind is Kind.INTEGER:

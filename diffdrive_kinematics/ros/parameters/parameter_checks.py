@@ -14,6 +14,7 @@
 
 """What the value of a parameter must satisfy, beyond its type."""
 
+from dataclasses import dataclass
 import math
 from typing import Any, Callable, Tuple
 
@@ -23,20 +24,51 @@ from rclpy.exceptions import InvalidTopicNameException
 from rclpy.validate_topic_name import validate_topic_name
 
 __all__ = [
-    'Check', 'check_bias', 'check_count', 'check_delay', 'check_description', 'check_diagonal',
-    'check_frame', 'check_gear_ratio', 'check_horizon', 'check_joint_names', 'check_named',
-    'check_non_negative_or_nan', 'check_offset', 'check_one_of', 'check_optional_picture',
-    'check_optional_seed', 'check_optional_topic', 'check_picture', 'check_port', 'check_pose',
-    'check_positive_or_nan', 'check_prefix', 'check_radius_multiplier', 'check_range',
-    'check_rate_or_off', 'check_recording', 'check_resolution', 'check_rounds', 'check_seed',
-    'check_slip', 'check_stages', 'check_step', 'check_topic', 'check_update_rate', 'check_window']
+    'Check', 'Within', 'check_bias', 'check_count', 'check_delay', 'check_description',
+    'check_diagonal', 'check_frame', 'check_gear_ratio', 'check_horizon', 'check_joint_names',
+    'check_named', 'check_non_negative_or_nan', 'check_offset', 'check_one_of',
+    'check_optional_picture', 'check_optional_seed', 'check_optional_topic', 'check_picture',
+    'check_port', 'check_pose', 'check_positive_or_nan', 'check_prefix',
+    'check_radius_multiplier', 'check_range', 'check_rate_or_off', 'check_recording',
+    'check_resolution', 'check_rounds', 'check_seed', 'check_slip', 'check_stages', 'check_step',
+    'check_topic', 'check_update_rate', 'check_window']
 
 Check = Callable[[str, Any], Any]
-MOST, MOST_STAGES, MOST_IN_WINDOW, MOST_ROUNDS = 100_000, 25, 1000, 1000
 MOST_OFFSET = 1e9  # [s]
-LEAST_UPDATE_RATE, MOST_UPDATE_RATE = 10.0, 1e6  # [Hz]; a stop waits for the next step
-MOST_DELAY = 10.0  # [s], of what is kept meanwhile
-MOST_SLIP = 1e3  # [m, rad, rad^2/m, rad/m]; with more, covariances are no numbers
+MOST_INTEGER = 2**63 - 1
+
+
+@dataclass(frozen=True)
+class Within:
+    """A check that a number is from ``least`` to ``most``; ``expected`` says so in the error."""
+
+    least: float
+    most: float
+    expected: str
+
+    def __call__(self, name: str, value: float) -> None:
+        """Raise ``ValueError`` unless the value is within."""
+        if not self.least <= value <= self.most:
+            raise ValueError(f'{name} is {value!r}, expected {self.expected}')
+
+
+def _integer(least: int, most: int) -> Within:
+    return Within(least, most, f'an integer from {least} to {most}')
+
+
+check_count, check_window = _integer(1, 100_000), _integer(1, 1000)
+check_stages, check_rounds = _integer(1, 25), _integer(0, 1000)
+check_seed = Within(0, MOST_INTEGER, 'an integer, 0 or above')
+check_optional_seed = Within(-1, MOST_INTEGER, 'an integer, -1 or above')
+check_port = Within(0, 65535, '0 to 65535')
+check_update_rate = Within(
+    10.0, 1e6, 'a rate from 10 to 1e+06 Hz, since a stop takes effect at the next step')
+check_delay = Within(0.0, 10.0, 'a time from 0 to 10 s')  # of what is kept meanwhile
+check_slip = Within(  # [m, rad, rad^2/m, rad/m]; with more, covariances are no numbers
+    0.0, 1e3, 'a finite number from 0 to 1000')
+check_gear_ratio = Within(
+    1e-3, 1e6, 'turns of the motor a turn of the wheel, from 1e-3 to 1e6; where it turns the '
+    'other way there is left_wheel_inverted')
 
 
 def check_rate_or_off(name: str, value: float) -> None:
@@ -47,16 +79,6 @@ def check_rate_or_off(name: str, value: float) -> None:
 def check_joint_names(name: str, value: Tuple[str, ...]) -> None:
     if not value or not all(value) or len(set(value)) != len(value):
         raise ValueError(f'{name} is {list(value)!r}, expected one or more different joint names')
-
-
-def check_seed(name: str, value: int) -> None:
-    if value < 0:
-        raise ValueError(f'{name} is {value!r}, expected an integer, 0 or above')
-
-
-def check_optional_seed(name: str, value: int) -> None:
-    if value < -1:
-        raise ValueError(f'{name} is {value!r}, expected an integer, -1 or above')
 
 
 def check_non_negative_or_nan(name: str, value: float) -> None:
@@ -74,32 +96,6 @@ def check_offset(name: str, value: float) -> None:
     if not (math.isnan(value) or abs(value) <= MOST_OFFSET):
         raise ValueError(
             f'{name} is {value!r}, expected seconds within +-{MOST_OFFSET:g}, or NaN')
-
-
-def check_port(name: str, value: int) -> None:
-    if not 0 <= value <= 65535:
-        raise ValueError(f'{name} is {value}, expected 0 to 65535')
-
-
-def _check_integer(name: str, value: int, least: int, most: int) -> None:
-    if not least <= value <= most:
-        raise ValueError(f'{name} is {value!r}, expected an integer from {least} to {most}')
-
-
-def check_count(name: str, value: int) -> None:
-    _check_integer(name, value, 1, MOST)
-
-
-def check_window(name: str, value: int) -> None:
-    _check_integer(name, value, 1, MOST_IN_WINDOW)
-
-
-def check_rounds(name: str, value: int) -> None:
-    _check_integer(name, value, 0, MOST_ROUNDS)
-
-
-def check_stages(name: str, value: int) -> None:
-    _check_integer(name, value, 1, MOST_STAGES)
 
 
 def check_horizon(name: str, value: float) -> None:
@@ -120,23 +116,6 @@ def check_optional_picture(name: str, value: str) -> None:
 def check_recording(name: str, value: str) -> None:
     if value and not value.endswith(('.csv', '.mcap')):
         raise ValueError(f'{name} is {value!r}, expected the name of an .mcap file or a .csv file')
-
-
-def check_update_rate(name: str, value: float) -> None:
-    if not LEAST_UPDATE_RATE <= value <= MOST_UPDATE_RATE:
-        raise ValueError(
-            f'{name} is {value!r}, expected a rate from {LEAST_UPDATE_RATE:g} to '
-            f'{MOST_UPDATE_RATE:g} Hz, since a stop takes effect at the next step')
-
-
-def check_delay(name: str, value: float) -> None:
-    if not 0.0 <= value <= MOST_DELAY:
-        raise ValueError(f'{name} is {value!r}, expected a time from 0 to {MOST_DELAY:g} s')
-
-
-def check_slip(name: str, value: float) -> None:
-    if not 0.0 <= value <= MOST_SLIP:
-        raise ValueError(f'{name} is {value!r}, expected a finite number from 0 to {MOST_SLIP:g}')
 
 
 def check_one_of(*known: str) -> Check:
@@ -166,13 +145,6 @@ def check_radius_multiplier(name: str, value: float) -> None:
         raise ValueError(f'{name} is {value!r}, expected a finite number above 0; for motors that '
                          'turn the other way there are left_wheel_inverted, right_wheel_inverted')
     check_positive(name, value)
-
-
-def check_gear_ratio(name: str, value: float) -> None:
-    if not 1e-3 <= value <= 1e6:
-        raise ValueError(
-            f'{name} is {value!r}, expected turns of the motor a turn of the wheel, from 1e-3 to '
-            '1e6; where it turns the other way there is left_wheel_inverted')
 
 
 def check_pose(name: str, value: Tuple[float, ...]) -> None:

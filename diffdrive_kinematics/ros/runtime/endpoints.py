@@ -16,7 +16,7 @@
 
 from typing import Any, Callable, Optional, Set
 
-from diffdrive_kinematics.ros.parameters.configuration_error import ConfigurationError
+from diffdrive_kinematics.ros.parameters.configuration_error import ConfigurationError, refusing
 from diffdrive_kinematics.ros.parameters.qos import (
     check_delivery, overrides_from, overriding_options, reliable)
 from diffdrive_kinematics.ros.runtime.rclpy_private import given_overrides, RCLError
@@ -54,7 +54,9 @@ class Endpoints:
         self._node, self._depth, self._lossless = node, depth, lossless
         self._topics: Set[str] = set()
         given = {name: parameter.value for name, parameter in given_overrides(node).items()}
-        self._overrides = self._judged(overrides_from, given)
+        self._name = node.get_fully_qualified_name()
+        with refusing(self._name):
+            self._overrides = overrides_from(given)
 
     def publisher(
             self, message_type: type, topic: str, profile: Optional[QoSProfile]) -> Publisher:
@@ -86,28 +88,19 @@ class Endpoints:
         """Return what ``create`` makes of a type, a topic and a quality of service."""
         resolved = self._node.resolve_topic_name(topic)
         overrides = self._overrides.get((resolved, end), ())
-        if self._lossless:
-            self._judged(check_delivery, overrides, self._depth)
-        if resolved in self._topics:
-            raise self._refusal(
-                f"it would hear itself on '{resolved}', expected different topics in and out")
+        with refusing(self._name):
+            if self._lossless:
+                check_delivery(overrides, self._depth)
+            if resolved in self._topics:
+                raise ValueError(
+                    f"it would hear itself on '{resolved}', expected different topics in and out")
         try:
             endpoint = create(message_type, topic, profile or reliable(self._depth),
                               qos_overriding_options=overriding_options(overrides))
         except RCLError as error:
-            raise self._refusal(
-                f"'{resolved}' cannot carry {message_type.__name__}, is it another type elsewhere "
-                f'in this process? ({error})') from error
+            raise ConfigurationError(
+                f"{self._name} refuses to start: '{resolved}' cannot carry "
+                f'{message_type.__name__}, is it another type elsewhere in this process? ({error})'
+            ) from error
         self._topics.add(resolved)
         return endpoint
-
-    def _judged(self, judge: Callable[..., Any], *arguments: Any) -> Any:
-        """Return what ``judge`` returns; its ``ValueError`` refuses the start."""
-        try:
-            return judge(*arguments)
-        except ValueError as error:
-            raise self._refusal(str(error)) from error
-
-    def _refusal(self, reason: str) -> ConfigurationError:
-        return ConfigurationError(
-            f'{self._node.get_fully_qualified_name()} refuses to start: {reason}')

@@ -17,7 +17,7 @@
 import math
 
 from diffdrive_kinematics.nodes.forward_projection import ForwardProjection
-from diffdrive_kinematics.ros.parameters.descriptors import RANGES
+from diffdrive_kinematics.ros.parameters.descriptors import range_of
 from diffdrive_kinematics.ros.parameters.parameter_spec import Kind
 from diffdrive_kinematics.ros.parameters.parameters import coerce
 from diffdrive_kinematics.ros.parameters.tables import TABLES
@@ -28,12 +28,12 @@ from support.graph import KHEPERA
 from support.inside import inside
 
 ENTRIES = {(entry.name, entry.check): entry for table in TABLES.values() for entry in table
-           if entry.check in RANGES}
+           if range_of(entry)}
 
 
 @pytest.mark.parametrize('entry', ENTRIES.values(), ids=lambda entry: entry.name)
 def test_the_ends_of_a_range_are_accepted_and_what_is_beyond_is_refused(entry):
-    ends = RANGES[entry.check]
+    ends = range_of(entry)
     for end, outward in zip(ends, (-1, 1)):
         coerce(entry, end)
         beyond = (end + outward if entry.kind is Kind.INTEGER
