@@ -139,7 +139,7 @@ class Calibrate(DiffDriveNode[Config]):
             return f"nobody publishes '{name}'"
         if not any(each.endswith(f'/{kind.__name__}') for each in kinds):
             return f"'{name}' is {', '.join(sorted(kinds))}, expected {kind.__name__}"
-        return f"'{name}' is published, and says nothing of use"
+        return f"'{name}' is published, but no message of it was usable"
 
     def _on_finish(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
         if self.written:  # asked again before the end: the answer stays

@@ -114,8 +114,8 @@ class CommandSequence(DiffDriveNode[Config]):
         self._timer = self.runtime.every(values['publish_rate'], self._tick)
         if self._course.duplicates:
             self.get_logger().warning(
-                f'{self._course.duplicates} rows of the recording have the time of the row after '
-                'them and are left out')
+                f'{self._course.duplicates} rows of the recording are skipped, as the row after '
+                'has the same time')
 
     @property
     def length_s(self) -> float:
@@ -142,7 +142,7 @@ class CommandSequence(DiffDriveNode[Config]):
                 return
             self._start_ns = now_ns
             self.get_logger().info(
-                f'playing {self.length_s:.3f} s of commands from {now_ns / 1e9:.3f} s on')
+                f'playing {self.length_s:.3f} s of commands, starting at {now_ns / 1e9:.3f} s')
         self._play(now_ns)
 
     def _play(self, now_ns: int) -> None:

@@ -82,7 +82,8 @@ class DiffDriveController(DiffDriveNode[Config]):
         self.parameters.on_change(self._configure)
         if values['use_response']:
             self.get_logger().info(
-                'use_response: feed odometry from a wheel_noise of the same response_*, no slip')
+                'use_response is true: odometry needs the output of a wheel_noise with the same '
+                'response_* and no slip')
 
     def _on_command(self, message: bytes, info: MessageInfo = UNKNOWN) -> None:
         now_ns = self._synchronised_now()

@@ -92,7 +92,7 @@ class GoalSteering(DiffDriveNode[Config]):
     def _on_odometry(self, message: Odometry) -> None:
         pose, stamp_ns = pose_in_plane(message.pose.pose), nanoseconds(message.header.stamp)
         if self._seen and stamp_ns == self._seen.stamp_ns != 0:
-            return  # told twice, it is no younger
+            return  # a repetition is no newer
         self._seen = Seen(pose, message.header.frame_id, stamp_ns)
         self.health.statistics.note(self._synchronised_now(), stamp_ns)
 
@@ -102,8 +102,8 @@ class GoalSteering(DiffDriveNode[Config]):
     def _on_plan(self, message: Path) -> None:
         if not message.poses:
             if self._tasks:
-                self._end(self._synchronised_now(), f'left {self._tasks[0]}: an empty path came',
-                          arrived=True)
+                self._end(self._synchronised_now(),
+                          f'cancelled {self._tasks[0]}: an empty path came', arrived=True)
             return
         frame_id = self._frame_of(message)
         poses = [pose_in_plane(each.pose) for each in message.poses]
@@ -145,8 +145,8 @@ class GoalSteering(DiffDriveNode[Config]):
         if steered.arrived:
             self._arrive(now_ns, task, steered)
         elif now_ns - self._progress.since_ns > patience * 1e9:
-            self._end(now_ns, f'gave up {task}: the robot came no nearer for {patience:g} s, '
-                              f'{steered.distance:.3f} m before it')
+            self._end(now_ns, f'gave up {task}: no progress for {patience:g} s, '
+                              f'{steered.distance:.3f} m away from it')
         else:
             self._send(now_ns, *steered.twist)
 
@@ -169,9 +169,9 @@ class GoalSteering(DiffDriveNode[Config]):
         if blind and not self._standing:
             self.counts['odometry timeouts'] += 1
             self.get_logger().warning(
-                f"no odometry on '{topic}' for {timeout:g} s: the robot is to stand still")
+                f"no odometry on '{topic}' for {timeout:g} s: the robot is stopped")
         elif self._standing and not blind:
-            self.get_logger().info('odometry is back: driving on')
+            self.get_logger().info('odometry has resumed: driving on')
         self._standing = blind
         return blind
 

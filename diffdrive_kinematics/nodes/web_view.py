@@ -109,7 +109,7 @@ class WebView(DiffDriveNode[Config]):
                 f'({error.strerror})') from error
         if host not in LOOPBACK:
             self.get_logger().warning(
-                f'host is {host!r}: whoever reaches this address drives the robot')
+                f'host is {host!r}: anybody who can reach this address can drive the robot')
         shown = f'[{host}]' if ':' in host else host
         self.get_logger().info(f'open http://{shown}:{page.port} in a browser')
         return page
@@ -183,7 +183,7 @@ class WebView(DiffDriveNode[Config]):
         check_numbers((x, y))
         belief = self._shown.belief
         if belief is None:
-            raise ValueError('no odometry has come yet')
+            raise ValueError('no odometry has been received yet')
         yaw = math.atan2(y - belief.y, x - belief.x)
         goal = PoseStamped()
         goal.header.frame_id = self._shown.frame_id

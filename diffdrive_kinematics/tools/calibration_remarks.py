@@ -54,10 +54,11 @@ def square_remarks(fit: SquareFit, slip: float) -> List[str]:
         if not counts:
             remarks.append(
                 f'{name}: no correction: {ratio.value:.5f} is within its error of 1, +- '
-                f'{fit.quantile * ratio.error:.5f} (95 %): {kept} as before; more runs tell more')
+                f'{fit.quantile * ratio.error:.5f} (95 %): {kept} as before, more runs '
+                'may show more')
     if slip < NO_SLIP_M:
         remarks.append(
-            'warning: the runs of either way do not scatter: they say nothing of slip, and all '
+            'warning: the runs of either way do not scatter: they show no slip, and all '
             'standard errors are too small; no slip is written; runs of a simulated robot need '
             'slip, and another seed each')
     return [*remarks, 'predicted: the root mean square in as many new runs; it counts the error '
@@ -129,8 +130,8 @@ def course_remarks(geometry: WheelGeometry, drives: Sequence[RecordedDrive]) -> 
     curve = left * right > 0.0
     to_left, to_right = (np.maximum(way * turned, 0.0)[curve].sum() for way in (1.0, -1.0))
     if to_left + to_right < FEWEST_TURNED * total:
-        return ['the drives turn on the spot almost only: drive curves to both sides as well, '
-                'which a robot that curves will be better predicted by']
+        return ['the drives turn almost only on the spot: drive curves to both sides as well, '
+                'for better predictions in curves']
     for side, turning in (('left', to_left), ('right', to_right)):
         if turning < FEWEST_TURNED * (to_left + to_right):
             return [f'the drives have almost no curves to the {side}: drive some, as errors of '

@@ -137,7 +137,7 @@ def place(written: str, path: str, *, overwrite: bool) -> None:
 
     """
     if os.path.exists(path) and not overwrite:
-        raise FileExistsError('it has come to exist')
+        raise FileExistsError('it was made meanwhile')
     with suppress(FileNotFoundError):
         old = os.stat(path)
         with suppress(PermissionError):
@@ -172,7 +172,7 @@ def free_path(path: str, *, overwrite: bool) -> str:
 
 def beside(path: str, kept: str) -> str:
     """Return the words for where something is kept that belongs in ``path``."""
-    return path if kept == path else f'{kept}, as {path} has come to exist meanwhile'
+    return path if kept == path else f'{kept}, as {path} was made meanwhile'
 
 
 def part_of(path: str) -> str:

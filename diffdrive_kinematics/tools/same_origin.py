@@ -46,4 +46,4 @@ class SameOrigin:
             await send({'type': 'websocket.close', 'code': 1008})
         else:
             await send({'type': 'http.response.start', 'status': 403, 'headers': []})
-            await send({'type': 'http.response.body', 'body': b'pages of other origins may not'})
+            await send({'type': 'http.response.body', 'body': b'other origins are refused'})

@@ -61,7 +61,7 @@ def test_a_commanded_robot_that_is_known_errs_as_one_with_encoders(diffdrive):
 @pytest.mark.parametrize('given', [{}, {**RESPONSE, 'use_response': True}])
 def test_a_controller_says_that_its_wheel_rates_are_not_what_is_driven(capfd, given):
     with inside(DiffDriveController, {**KHEPERA, **given}):
-        assert ('feed odometry from a wheel_noise' in capfd.readouterr().err) is bool(given)
+        assert ('needs the output of a wheel_noise' in capfd.readouterr().err) is bool(given)
 
 
 def values_of(table, **given):

@@ -178,7 +178,7 @@ def test_silence_of_odometry_leaves_the_wheels_at_rest_until_it_is_back(stand_in
     assert 0.28 < steering.robot.time - silent < 0.42  # and a period
     assert "no odometry on '/odom' for 0.3 s" in steering.output
     steering.until(turning)
-    assert 'odometry is back' in steering.output
+    assert 'odometry has resumed' in steering.output
 
 
 def test_odometry_of_one_stamp_is_as_good_as_none(stand_in):
@@ -186,7 +186,7 @@ def test_odometry_of_one_stamp_is_as_good_as_none(stand_in):
     steering.robot.listen(Twist, 'cmd_vel')
     steering.robot.advance(0.1)
     steering.send(stamped_pose(1.0, 0.0))
-    steering.until(lambda: 'is to stand still' in steering.output or steering.tell(10**8),
+    steering.until(lambda: 'the robot is stopped' in steering.output or steering.tell(10**8),
                    tell=False)
     steering.until(steering.stopped, tell=False)
 
@@ -208,7 +208,7 @@ def test_a_robot_that_comes_no_nearer_gives_up_and_says_so(stand_in):
     steering = stand_in(patience=0.5)
     steering.send(stamped_pose(1.0, 0.0))
     steering.until(
-        lambda: 'came no nearer for 0.5 s, 1.000 m before it' in steering.output)
+        lambda: 'no progress for 0.5 s, 1.000 m away from it' in steering.output)
     steering.until(steering.stopped, tell=False)
     count, end = len(steering.robot.history('cmd_vel')), steering.robot.time + 0.5
     steering.until(lambda: steering.robot.time > end)

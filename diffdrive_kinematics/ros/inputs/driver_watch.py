@@ -30,7 +30,7 @@ SINCE_BOOT_S = 1e8
 
 
 def clock_text(offset_ns: int, topic: str) -> str:
-    """Return what to say of stamps by a clock that is behind ours by an offset [ns]."""
+    """Return the report on stamps of a clock that is behind ours by an offset [ns]."""
     seconds = offset_ns / 1e9
     where = f'{abs(seconds):.3f} s {"behind" if seconds > 0.0 else "ahead of"}'
     if seconds > SINCE_BOOT_S:
@@ -38,13 +38,13 @@ def clock_text(offset_ns: int, topic: str) -> str:
     elif seconds < -SINCE_BOOT_S:
         remedy = 'is use_sim_time true here, and not where it comes from?'
     else:
-        remedy = 'synchronise the clocks, or look for what is late'
-    return (f"wheel motion on '{topic}' is stamped by a clock {where} ours, stamps are mapped by "
-            f'that: {remedy}')
+        remedy = 'synchronise the clocks, or find what is late'
+    return (f"wheel motion on '{topic}' is stamped by a clock {where} ours, which is corrected: "
+            f'{remedy}')
 
 
 def velocity_text(disagreement: Mismatch, radius: float, topic: str) -> str:
-    """Return what to say of velocities that are not those of the positions."""
+    """Return the report on velocities that do not agree with the positions."""
     side, reported, rolled = disagreement
     wheels = 'both wheels' if side == 'both' else f'the {side} wheel'
     if abs(rolled) <= min(STANDING, abs(reported)):
@@ -104,7 +104,7 @@ class DriverWatch:
             self._clock = text
         elif self._clock and not clock.apart:
             self._clock = ''
-            self._node.get_logger().info(f"stamps on '{self._topic}' are of the own clock again")
+            self._node.get_logger().info(f"stamps on '{self._topic}' agree with our clock again")
         disagreement = odometry.measured.check.disagreement if odometry.measured else None
         if disagreement is self._disagreement:
             return

@@ -67,4 +67,4 @@ class StampWatch:
         simulated = str(self._node.runtime.clock.ros_time_is_active).lower()
         return (
             f"the stamps on '{self._topic}' are of another clock than this node's: is "
-            f'use_sim_time (now {simulated}) set as where they come from?')
+            f'use_sim_time (now {simulated}) the same where they come from?')

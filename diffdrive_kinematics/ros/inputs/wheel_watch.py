@@ -25,8 +25,8 @@ __all__ = ['WheelWatch']
 MOST_APART_NS = 250_000_000  # of the delays of joints whose clocks agree
 GRACE_NS = 1_000_000_000  # for messages with the other joints
 REMEDY = (
-    'one of them is believed, the others are ignored: let one node publish these joints, and '
-    "remap the others' topic (joint_state_publisher has no place beside a driver)")
+    'one of them is used, the others are ignored: let one node publish these joints, and '
+    "remap the others' topic (do not run joint_state_publisher beside a driver)")
 
 
 class WheelWatch:
@@ -96,8 +96,8 @@ class WheelWatch:
             return
         before, self._apart = self._apart, (
             f"stamps of {last!r} on '{self._topic}' are {apart_ns / 1e9:.3f} s behind those of "
-            f'{first!r}, so the readings of the wheels are of different times: has each '
-            'board a clock of its own?')
+            f'{first!r}, so the wheels are read at different times: does each board have '
+            'a clock of its own?')
         if not before:
             self._node.get_logger().warning(self._apart)
 

@@ -67,7 +67,7 @@ class TransformPublisher:
             log = node.get_logger()
             say = log.warning if switch in given_overrides(node) else log.info
             say('tf is off: the package tf2_msgs is missing (apt install ros-jazzy-tf2-msgs); '
-                f'set {switch} to false to do without')
+                f'set {switch} to false to run without it')
             return
         self._message = TransformCodec('', '')
         self._publisher = node.runtime.publish(message_type, '/tf')

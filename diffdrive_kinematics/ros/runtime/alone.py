@@ -37,8 +37,8 @@ def keep_to_this_machine(environment: MutableMapping[str, str]) -> None:
     """Let nobody else hear this process, where nothing is set about it; say so in one line."""
     if not any(environment.get(name) for name in REACH):
         environment[RANGE] = 'LOCALHOST'
-        complain('diffdrive_kinematics: the demo can be received on this machine only; '
-                 f'{RANGE}=SUBNET lets other machines receive it')
+        complain('diffdrive_kinematics: the demo is visible on this machine only; '
+                 f'{RANGE}=SUBNET makes it visible on other machines')
 
 
 def check_alone(node: Node, own: Mapping[str, Sequence[str]], *, patience_s: float = 0.0) -> None:
@@ -62,8 +62,8 @@ def check_alone(node: Node, own: Mapping[str, Sequence[str]], *, patience_s: flo
         if others and (patience_s or UNKNOWN not in others):
             raise Disturbed(
                 f"'{topic}' is published by {' and '.join(others)} of another process too. This "
-                'one steps its time, and what it would say is wrong where others join in: end '
-                'the other one, or give one of them a ROS_DOMAIN_ID, or topic names, of its own')
+                'process runs on stepped time, and its results would be wrong: stop the other '
+                'process, or give one of them another ROS_DOMAIN_ID or other topic names')
 
 
 def _others(node: Node, topic: str, ours: Sequence[str]) -> List[str]:

@@ -73,7 +73,7 @@ def refusal_of(name: str, argument: str, argv: Sequence[str]) -> str:
         reason = f'{argument} needs {ROS_ARGS} before it'
         form = f'{ROS_ARGS} {argument} {following or known}'
     else:
-        reason = f'it knows no argument {argument!r}'
+        reason = f'unknown argument {argument!r}'
         form = f'{ROS_ARGS} ' + (
             f'--params-file {argument}' if argument.endswith(('.yaml', '.yml')) else
             f'-p {argument}' if ':=' in argument else '--params-file FILE')

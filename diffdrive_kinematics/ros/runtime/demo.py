@@ -27,7 +27,7 @@ __all__ = ['run_or_demo']
 
 DEMO = (
     'no params file given: running the demo (config/demo.yaml), a robot that drives a square with '
-    'wheels that slip, and believes to be elsewhere than it is')
+    'wheels that slip, so that its odometry drifts away from where it is')
 
 
 def run_or_demo(work: Callable[[Stop], int]) -> int:

@@ -32,10 +32,10 @@ REMEDY = (
 
 HINTS = {  # to what rcl says of params files and -p
     'Sequence should be of same type':
-        'the numbers of a list are written alike, [0.1, 0.0, 4.0] and not [0.1, 0, 4]',
+        'all numbers of a list need the same form: [0.1, 0.0, 4.0], not [0.1, 0, 4]',
     'Error opening YAML file':
-        'there is no such file as seen from the directory in which this was started, or it may '
-        'not be read'}
+        'the file does not exist (paths are relative to the current directory), or cannot be '
+        'read'}
 
 
 def check_log_directory(environment: Mapping[str, str], argv: Sequence[str]) -> None:

@@ -43,8 +43,8 @@ def show(text: str) -> bool:
         _failed = error.strerror or str(error)
         if sys.stdout is not None:  # what is left in the buffer would fail again at the end
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        complain(f'diffdrive_kinematics: stdout cannot be written ({_failed}): results follow '
-                 'here')
+        complain(f'diffdrive_kinematics: stdout cannot be written ({_failed}): results are '
+                 'printed here')
     return not _failed
 
 

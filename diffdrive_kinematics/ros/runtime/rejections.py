@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""What a node does not take as it comes: refused, counted, reported, survived."""
+"""What a node refuses: counted, reported, survived."""
 
 from collections import Counter
 from typing import Any, Callable
@@ -30,8 +30,8 @@ REPORT_PERIOD_S = 1.0
 MOVED = Verdict.MOVED  # by far the most; an enum is slow to look up
 VERDICTS = {  # where it was seen, and what was done
     Verdict.OUT_OF_ORDER: ('stamps', 'dropped'),
-    Verdict.CLOCK_STEP: ('stamps', 'nothing integrated'),
-    Verdict.JUMPED: ('positions', 'they count anew, max_encoder_rate is exceeded')}
+    Verdict.CLOCK_STEP: ('stamps', 'no motion is integrated'),
+    Verdict.JUMPED: ('positions', 'max_encoder_rate is exceeded, they count from here')}
 UNREADABLE = (ValueError, OverflowError, RMWError)
 
 

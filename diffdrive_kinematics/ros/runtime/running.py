@@ -149,8 +149,8 @@ def run(work: Callable[[Stop], int], args: Optional[List[str]] = None) -> int:
             rclpy.logging.get_logger('diffdrive_kinematics').info(lacking)
         return work(stop)
     except rclpy_private.UnknownROSArgsError as error:
-        complain(f'diffdrive_kinematics: the arguments {error} follow --ros-args and mean nothing '
-                 'there, expected -p NAME:=VALUE (in quotes where it has blanks) or an option')
+        complain(f'diffdrive_kinematics: unknown arguments after --ros-args: {error}, expected '
+                 '-p NAME:=VALUE (in quotes if it has spaces) or an option of ROS')
         return CONFIGURATION_ERROR
     except (rclpy_private.RCLError, NameValidationException) as error:
         complain(f'diffdrive_kinematics: {with_remedy(str(error))}')

@@ -107,8 +107,8 @@ class SimClockDriver:
             executor.spin_once(timeout_sec=POLL_S)
         if not stop:
             self._node.get_logger().warning(
-                'some topics to wait for come from other processes: the results depend on when '
-                'their messages arrive')
+                'some topics that are waited for come from other processes: the results depend on '
+                'when their messages arrive')
 
     def _step(self, executor: Executor) -> None:
         self._steps += 1

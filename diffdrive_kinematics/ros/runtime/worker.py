@@ -132,7 +132,7 @@ class Worker:
             return answer
         except Exception as error:  # whatever it is, the thread goes on
             status = self._end()
-            return None, f'the process that does it ended with status {status} ({error!r})'
+            return None, f'the worker process ended with status {status} ({error!r})'
 
     def _started(self) -> 'subprocess.Popen[bytes]':
         """Return the process; it finds modules where this one does."""

@@ -127,8 +127,8 @@ def test_a_counter_that_wraps_is_a_jump_for_a_base_that_nobody_set_up():
 
 
 @pytest.mark.parametrize('offset_s, words', [
-    (1.7e9, 'behind ours, stamps are mapped by that: does its sender stamp the time since boot'),
-    (-1.7e9, 'ahead of ours, stamps are mapped by that: is use_sim_time true here'),
+    (1.7e9, 'behind ours, which is corrected: does its sender stamp the time since boot'),
+    (-1.7e9, 'ahead of ours, which is corrected: is use_sim_time true here'),
     (0.6, '0.600 s behind ours'), (-5.0, '5.000 s ahead of ours')])
 def test_what_is_said_of_another_clock_says_how_far_and_what_to_do(offset_s, words):
     assert words in clock_text(round(offset_s * 1e9), '/joint_states')

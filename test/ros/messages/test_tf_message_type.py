@@ -78,7 +78,7 @@ def test_where_there_is_no_type_one_line_says_so_and_warns_only_who_asked_for_tf
     with inside(SimulatedBase, {**KHEPERA, **given}) as held:
         assert '/tf' not in held.said and '/odom' in held.said
     line, = [line for line in capfd.readouterr().err.splitlines() if 'tf is off' in line]
-    assert level in line and 'set enable_odom_tf to false to do without' in line
+    assert level in line and 'set enable_odom_tf to false to run without it' in line
 
 
 def test_where_there_is_no_type_a_ground_truth_listens_to_no_belief(without_a_type, capfd):
