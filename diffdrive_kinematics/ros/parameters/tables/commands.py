@@ -15,17 +15,14 @@
 """The parameters of the nodes that command a robot."""
 
 from diffdrive_kinematics.core.kinematics import check_duration, check_positive, check_rate
-from diffdrive_kinematics.ros.parameters.parameter_checks import (
-    check_frame, check_one_of, check_rounds)
+from diffdrive_kinematics.ros.parameters.parameter_checks import check_one_of, check_rounds
 from diffdrive_kinematics.ros.parameters.parameter_spec import (
     Kind, ParameterSpec as Spec, string, topic)
-from diffdrive_kinematics.ros.parameters.tables.shared import DIAGNOSTICS, EXECUTOR, SQUARE
+from diffdrive_kinematics.ros.parameters.tables.shared import (
+    COMMANDS_OUT, DIAGNOSTICS, EXECUTOR, SQUARE)
 
 COMMAND_SEQUENCE = (
-    topic('cmd_vel_topic', 'cmd_vel', 'Publishes: velocity commands.'),
-    Spec('enable_stamped_cmd_vel', False, 'Publish TwistStamped instead of Twist.', Kind.BOOL,
-         read_only=True),
-    string('base_frame_id', 'base_link', 'Frame of stamped commands.', check_frame),
+    *COMMANDS_OUT,
     Spec('commands', [], 'The commands, each as speed v [m/s], yaw rate omega [rad/s] and '
          'duration [s], one after another in one flat list.', Kind.DOUBLES, read_only=True),
     string('recording', '', 'Recording to play instead of commands: a CSV file (or .csv.gz) with '
@@ -60,10 +57,7 @@ GOAL_STEERING = (
     topic('plan_topic', 'path', 'Subscribes to: paths to follow (Path) in the frame of the '
           'odometry. Empty: off.',
           optional=True),
-    topic('cmd_vel_topic', 'cmd_vel', 'Publishes: velocity commands.'),
-    Spec('enable_stamped_cmd_vel', False, 'Publish TwistStamped instead of Twist.', Kind.BOOL,
-         read_only=True),
-    string('base_frame_id', 'base_link', 'Frame of stamped commands.', check_frame),
+    *COMMANDS_OUT,
     Spec('goals', [], 'Goals to drive to from the start, each as x [m], y [m] and yaw [rad] in '
          'the frame of the odometry, one after another in one flat list. The node ends after the '
          'last one.',

@@ -20,9 +20,11 @@ from diffdrive_kinematics.core.kinematics import check_non_negative, check_posit
 from diffdrive_kinematics.core.noise import (
     check_distribution, check_session_fraction, DISTRIBUTIONS)
 from diffdrive_kinematics.ros.parameters.parameter_checks import (
-    check_bias, check_delay, check_gear_ratio, check_joint_names, check_non_negative_or_nan,
-    check_one_of, check_pose, check_radius_multiplier, check_range, check_rate_or_off, check_slip)
-from diffdrive_kinematics.ros.parameters.parameter_spec import Kind, ParameterSpec as Spec
+    check_bias, check_delay, check_frame, check_gear_ratio, check_joint_names,
+    check_non_negative_or_nan, check_one_of, check_pose, check_radius_multiplier, check_range,
+    check_rate_or_off, check_slip)
+from diffdrive_kinematics.ros.parameters.parameter_spec import (
+    Kind, ParameterSpec as Spec, string, topic)
 
 DIAGNOSTICS = Spec(
     'diagnostics_rate', 1.0, 'Rate [Hz] at which the node reports its status on /diagnostics. 0: '
@@ -33,6 +35,11 @@ EXECUTOR = Spec(
     'events, or single_threaded. In diffdrive_sim the value of diffdrive_sim itself counts.',
     Kind.STRING,
     check_one_of('auto', 'events', 'single_threaded'), read_only=True)
+COMMANDS_OUT = (
+    topic('cmd_vel_topic', 'cmd_vel', 'Publishes: velocity commands.'),
+    Spec('enable_stamped_cmd_vel', False, 'Publish TwistStamped instead of Twist.', Kind.BOOL,
+         read_only=True),
+    string('base_frame_id', 'base_link', 'Frame of stamped commands.', check_frame))
 JOINTS = (
     Spec('left_wheel_names', ['left_wheel_joint'], 'Names of the joints of the left wheels.',
          Kind.STRINGS,

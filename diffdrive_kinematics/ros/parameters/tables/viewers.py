@@ -15,18 +15,11 @@
 """The parameters of the nodes on which a robot is watched and driven."""
 
 from diffdrive_kinematics.core.kinematics import check_positive, check_rate
-from diffdrive_kinematics.ros.parameters.parameter_checks import (
-    check_frame, check_port)
+from diffdrive_kinematics.ros.parameters.parameter_checks import check_port
 from diffdrive_kinematics.ros.parameters.parameter_spec import (
     Kind, ParameterSpec as Spec, string, topic)
 from diffdrive_kinematics.ros.parameters.tables.shared import (
-    DIAGNOSTICS, EXECUTOR, RADII, SEPARATION)
-
-COMMANDS_OUT = (
-    topic('cmd_vel_topic', 'cmd_vel', 'Publishes: velocity commands.'),
-    Spec('enable_stamped_cmd_vel', False, 'Publish TwistStamped instead of Twist.', Kind.BOOL,
-         read_only=True),
-    string('base_frame_id', 'base_link', 'Frame of stamped commands.', check_frame))
+    COMMANDS_OUT, DIAGNOSTICS, EXECUTOR, RADII, SEPARATION)
 
 WEB_VIEW = (
     string('host', '127.0.0.1', 'Address at which the page is served. At any address other than '
