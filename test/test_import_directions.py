@@ -231,6 +231,13 @@ def test_a_core_file_is_pure(path):
     assert not called & {'open', 'print', 'input', '__import__', 'exec', 'eval'}
 
 
+@pytest.mark.parametrize('room', sorted(CORE))
+def test_what_a_room_of_the_core_exports_is_listed_by_its_door_alone(room):
+    listing = {path.name for path in (ROOT / room.replace('.', '/')).glob('*.py')
+               if re.search('^__all__ =', path.read_text(), re.MULTILINE)}
+    assert listing == {'__init__.py'}
+
+
 @pytest.mark.parametrize('room', sorted(ROOMS))
 def test_the_files_of_a_room_import_each_other_in_one_direction(room):
     paths = [path for path in FILES

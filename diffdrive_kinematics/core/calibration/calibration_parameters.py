@@ -16,8 +16,6 @@
 
 from typing import Dict, NamedTuple
 
-__all__ = ['CLOCK', 'CalibrationParameters', 'FIELDS', 'FRAME', 'NAMES', 'WHEELS']
-
 
 class CalibrationParameters(NamedTuple):
     """

@@ -32,8 +32,6 @@ from diffdrive_kinematics.core.calibration.fit_state import FitState
 from diffdrive_kinematics.core.calibration.gauss_newton import Iteration
 from diffdrive_kinematics.core.calibration.identifiability import course_state, unidentified
 
-__all__ = ['LEAST_RATIO', 'Ratios', 'chosen_clocks', 'drift_pays']
-
 LEAST_RATIO = 6.635
 """Likelihood ratio from which a parameter pays: 1 % of chi square with one degree of freedom."""
 

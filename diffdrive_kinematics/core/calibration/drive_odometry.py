@@ -27,8 +27,6 @@ from diffdrive_kinematics.core.kinematics import WheelGeometry
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ['Nodes', 'calibrated_travel', 'nodes_of', 'odometry_at', 'path_of', 'since_middle']
-
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 

@@ -46,8 +46,6 @@ from diffdrive_kinematics.core.kinematics import Pose, WheelGeometry
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ['fit_drive_slip', 'slip_windows']
-
 Array = NDArray[np.float64]
 
 _Counted = Tuple[SlipWindow, float]

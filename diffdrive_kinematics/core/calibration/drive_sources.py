@@ -24,8 +24,6 @@ from diffdrive_kinematics.core.kinematics import (
 import numpy as np
 from numpy.typing import ArrayLike
 
-__all__ = ['drive_from_commands', 'drive_from_rates', 'drive_from_ticks']
-
 
 def drive_from_rates(
         time: ArrayLike, rates: ArrayLike, reference_time: ArrayLike,

@@ -16,8 +16,6 @@
 
 from typing import NamedTuple
 
-__all__ = ['Estimate']
-
 
 class Estimate(NamedTuple):
     """

@@ -28,8 +28,6 @@ from diffdrive_kinematics.core.calibration.gauss_newton import inverse_of
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ['parameter_covariance', 'taken_by_fit']
-
 Array = NDArray[np.float64]
 
 

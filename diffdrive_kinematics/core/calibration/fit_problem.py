@@ -32,8 +32,6 @@ from diffdrive_kinematics.core.kinematics import WheelGeometry
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ['Column', 'Problem']
-
 Array = NDArray[np.float64]
 
 

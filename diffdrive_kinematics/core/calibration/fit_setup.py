@@ -26,8 +26,6 @@ from diffdrive_kinematics.core.calibration.recorded_drive import RecordedDrive
 from diffdrive_kinematics.core.calibration.trajectory_windows import Windows, windows_between
 from diffdrive_kinematics.core.kinematics import check_finite, Pose, WheelGeometry
 
-__all__ = ['Clock', 'NO_FRAME', 'fewest_windows', 'problem_of']
-
 NO_FRAME = Pose(0.0, 0.0, 0.0)
 
 

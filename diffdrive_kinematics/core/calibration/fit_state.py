@@ -30,8 +30,6 @@ from diffdrive_kinematics.core.calibration.window_weights import (
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ['FitState', 'Gain']
-
 Array = NDArray[np.float64]
 Gain = Tuple[List[int], Array, Array]
 

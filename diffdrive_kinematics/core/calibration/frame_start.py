@@ -24,8 +24,6 @@ from diffdrive_kinematics.core.kinematics import WheelGeometry
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ['frame_from_motion']
-
 ROUNDS, TINY = 10, 1e-4
 FARTHEST = 3.0
 """Distance of the frame from the robot's centre [m] beyond which it is not believed."""

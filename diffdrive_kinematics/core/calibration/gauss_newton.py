@@ -25,8 +25,6 @@ from typing import Callable, List, NamedTuple, Protocol, Tuple, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ['Iteration', 'NewtonStep', 'Watch', 'descend', 'inverse_of', 'newton_step']
-
 Array = NDArray[np.float64]
 
 ROUNDS, SETTLED = 100, 1e-2

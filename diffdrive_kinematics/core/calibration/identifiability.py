@@ -25,8 +25,6 @@ from diffdrive_kinematics.core.calibration.window_weights import Variances
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ['SAME_DRIVE', 'course_state', 'refuse_unidentified', 'unidentified']
-
 LARGEST_ERROR = CalibrationParameters(
     left=0.1, right=0.1, separation=0.1, x=0.05, y=0.05, yaw=0.2, offset=0.5, drift=0.1)
 """Standard error from which a field counts as not identified; frame x and y: in separations."""

@@ -26,8 +26,6 @@ from diffdrive_kinematics.core.calibration.recorded_rows import latest_rows
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-__all__ = ['RecordedDrive', 'drive_from_positions', 'without_frozen_poses']
-
 Array = NDArray[np.float64]
 
 FROZEN_TRAVEL = 0.05

@@ -19,8 +19,6 @@ from typing import Tuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-__all__ = ['checked_rows', 'latest_rows']
-
 Array = NDArray[np.float64]
 
 

@@ -33,8 +33,6 @@ from diffdrive_kinematics.core.kinematics import WheelGeometry
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ['Prediction', 'ResponseFit', 'fit_response']
-
 Array = NDArray[np.float64]
 
 PARTS, LEAST_S = 4, 80.0

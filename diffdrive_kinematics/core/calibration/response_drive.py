@@ -24,8 +24,6 @@ from diffdrive_kinematics.core.noise import rotations
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ['commands_of', 'reference_motion', 'responded', 'with_commands_joined']
-
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 

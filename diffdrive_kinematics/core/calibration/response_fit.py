@@ -39,8 +39,6 @@ from diffdrive_kinematics.core.noise import rotations
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ['FittedResponse', 'fit_form', 'fit_heading', 'response_errors']
-
 Array = NDArray[np.float64]
 
 AS_GIVEN, LEAST_WINDOWS = CalibrationParameters(), 3

@@ -24,8 +24,6 @@ from diffdrive_kinematics.core.kinematics import WheelGeometry
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ['DELAYS_S', 'FORMS', 'GAINS', 'VEERS', 'form_of', 'within']
-
 Array = NDArray[np.float64]
 
 FORMS = (

@@ -19,8 +19,6 @@ from typing import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ['robust_fit']
-
 Array = NDArray[np.float64]
 
 STEP, SMALL, ROUNDS = 1e-6, 1e-5, 40

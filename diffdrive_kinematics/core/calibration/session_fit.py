@@ -37,8 +37,6 @@ from diffdrive_kinematics.core.kinematics import WheelGeometry
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-__all__ = ['SessionFit', 'fit_sessions', 'spread_between']
-
 FEWEST = 3
 HALVINGS = 100
 

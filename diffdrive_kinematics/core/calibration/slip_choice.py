@@ -35,8 +35,6 @@ from diffdrive_kinematics.core.calibration.slip_stack import SLIP_TERMS
 from diffdrive_kinematics.core.calibration.slip_window import SlipWindow
 from numpy.typing import ArrayLike
 
-__all__ = ['choose_slip', 'penalised']
-
 
 def choose_slip(
         windows: Sequence[SlipWindow], *, equal: bool = True,

@@ -25,8 +25,7 @@ import math
 from typing import List, Optional, Sequence
 
 from diffdrive_kinematics.core.calibration.estimate import Estimate
-from diffdrive_kinematics.core.calibration.slip_result import (
-    NO_NOISE, NOTHING, ReferenceNoise, SlipFit)
+from diffdrive_kinematics.core.calibration.slip_result import NOTHING, ReferenceNoise, SlipFit
 from diffdrive_kinematics.core.calibration.slip_stack import (
     noise_covariance, slip_covariance, slip_parts, stacked_windows)
 from diffdrive_kinematics.core.calibration.slip_window import SlipWindow
@@ -36,8 +35,6 @@ from diffdrive_kinematics.core.calibration.window_variances import least_noise
 from diffdrive_kinematics.core.noise import BodySlip, NO_BODY_SLIP
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-
-__all__ = ['NO_NOISE', 'fit_reference_noise', 'fit_slip']
 
 Array = NDArray[np.float64]
 
@@ -89,7 +86,7 @@ def fit_slip(
     --------
     From 400 simulated metres with k = 1e-4 m of both wheels:
 
-    >>> from diffdrive_kinematics.core.calibration import slip_window
+    >>> from diffdrive_kinematics.core.calibration import NO_NOISE, slip_window
     >>> from diffdrive_kinematics.core.kinematics import Pose, WheelGeometry
     >>> from diffdrive_kinematics.core.noise import propagate, WheelSlip
     >>> geometry, slip = WheelGeometry(0.5, 0.125), WheelSlip(variance=1e-4)
@@ -152,7 +149,7 @@ def fit_reference_noise(
     --------
     Both ends of a window carry the noise, here of 5 mm and 10 mrad:
 
-    >>> from diffdrive_kinematics.core.calibration import slip_window
+    >>> from diffdrive_kinematics.core.calibration import NO_NOISE, slip_window
     >>> from diffdrive_kinematics.core.kinematics import Pose, WheelGeometry
     >>> errors = 2.0**0.5 * np.random.default_rng(1).normal(0.0, [0.005, 0.005, 0.01], (400, 3))
     >>> windows = [slip_window(WheelGeometry(0.5, 0.125), [[0.01, 0.01]], Pose(0.0, 0.0, 0.0),

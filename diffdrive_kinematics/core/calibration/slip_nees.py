@@ -25,8 +25,6 @@ from diffdrive_kinematics.core.noise import BodySlip, NO_BODY_SLIP
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ['nees_per_dof']
-
 Array = NDArray[np.float64]
 
 

@@ -20,8 +20,6 @@ from typing import NamedTuple, Tuple
 from diffdrive_kinematics.core.calibration.estimate import Estimate
 from diffdrive_kinematics.core.noise import BodySlip
 
-__all__ = ['NO_NOISE', 'ReferenceNoise', 'SlipFit', 'SlipModel']
-
 
 class ReferenceNoise(NamedTuple):
     """

@@ -23,10 +23,6 @@ from diffdrive_kinematics.core.noise import BodySlip
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = [
-    'BODY_TERMS', 'SLIP_TERMS', 'noise_covariance', 'slip_covariance', 'slip_parts',
-    'stacked_windows']
-
 Array = NDArray[np.float64]
 
 BODY_TERMS = ('linear', 'turn', 'heading')

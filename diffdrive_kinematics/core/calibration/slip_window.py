@@ -34,8 +34,6 @@ from diffdrive_kinematics.core.noise import body_covariance_along, covariance_al
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-__all__ = ['SlipWindow', 'slip_window']
-
 Array = NDArray[np.float64]
 
 NO_TWISTS = ((0.0, 0.0), (0.0, 0.0))

@@ -45,8 +45,6 @@ from diffdrive_kinematics.core.commands import QUARTER
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ['SquareAngles', 'angles_of_runs', 'ratios_of_angles']
-
 Array = NDArray[np.float64]
 
 LARGEST_ANGLE = 0.3

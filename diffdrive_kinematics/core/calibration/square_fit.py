@@ -38,8 +38,6 @@ from diffdrive_kinematics.core.kinematics import Pose, pose_after, WheelGeometry
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ['SquareFit', 'fit_squares']
-
 Array = NDArray[np.float64]
 
 SHARE = 0.95

@@ -20,8 +20,6 @@ from typing import NamedTuple
 
 from diffdrive_kinematics.core.calibration.estimate import Estimate
 
-__all__ = ['ReturnError', 'Umbmark']
-
 
 class ReturnError(NamedTuple):
     """

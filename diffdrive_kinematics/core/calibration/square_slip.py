@@ -33,8 +33,6 @@ from diffdrive_kinematics.core.noise import NO_COVARIANCE, propagated_covariance
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ['slip_from_squares']
-
 Array = NDArray[np.float64]
 
 

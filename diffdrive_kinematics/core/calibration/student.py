@@ -16,8 +16,6 @@
 
 import math
 
-__all__ = ['share_within', 'student_quantile']
-
 
 def share_within(t: float, degrees: int) -> float:
     """

@@ -54,8 +54,6 @@ from diffdrive_kinematics.core.kinematics import Pose, WheelGeometry
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ['fit_trajectory']
-
 Array = NDArray[np.float64]
 
 COARSE, ALTERNATING = 5, 40

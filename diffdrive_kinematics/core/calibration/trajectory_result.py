@@ -26,8 +26,6 @@ from diffdrive_kinematics.core.kinematics import Pose, WheelGeometry
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ['Residual', 'TrajectoryFit']
-
 Array = NDArray[np.float64]
 
 

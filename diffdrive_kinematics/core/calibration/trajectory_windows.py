@@ -28,8 +28,6 @@ from diffdrive_kinematics.core.kinematics import check_positive
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ['COMMANDED', 'WindowSet', 'Windows', 'windows_between']
-
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 

@@ -35,8 +35,6 @@ from diffdrive_kinematics.core.kinematics import (
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ['corrected', 'reread', 'umbmark', 'with_ratios']
-
 Array = NDArray[np.float64]
 
 FEWEST_RUNS = 2

@@ -24,8 +24,6 @@ from typing import Any, List, NamedTuple, Optional, Tuple
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ['Components', 'fit_components', 'likelihood']
-
 Array = NDArray[np.float64]
 
 DISTINCT = 1e-7  # least eigenvalue of the information's correlation that counts as identified

@@ -38,8 +38,6 @@ from diffdrive_kinematics.core.noise import pose_jacobians, rotations
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ['WindowResiduals', 'linearised']
-
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 

@@ -28,8 +28,6 @@ from diffdrive_kinematics.core.calibration.window_weights import Variances
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ['START_VARIANCES', 'least_noise', 'updated_variances']
-
 Array = NDArray[np.float64]
 
 CREDIBLE = 4.0

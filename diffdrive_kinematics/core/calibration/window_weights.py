@@ -25,8 +25,6 @@ from diffdrive_kinematics.core.calibration.window_residuals import WindowResidua
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ['MEDIAN', 'REJECTED', 'Variances', 'distance', 'window_covariance', 'window_weights']
-
 Array = NDArray[np.float64]
 
 REJECTED = 12.0

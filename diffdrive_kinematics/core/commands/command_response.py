@@ -34,8 +34,6 @@ from diffdrive_kinematics.core.kinematics import check_duration, check_positive
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-__all__ = ['CommandFor', 'CommandResponse']
-
 Array = NDArray[np.float64]
 
 NO_SPEED, ACCURACY = 1e-300, 1e-12  # [m/s]

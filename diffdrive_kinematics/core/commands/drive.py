@@ -27,8 +27,6 @@ from diffdrive_kinematics.core.commands.wheel_command import STILL, Twist, Wheel
 from diffdrive_kinematics.core.kinematics import (
     is_sane, LARGEST, NANOSECONDS, wheel_rates_from_twist)
 
-__all__ = ['Drive']
-
 
 class Drive(DriveState):
     """

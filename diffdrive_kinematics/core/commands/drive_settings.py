@@ -26,8 +26,6 @@ from diffdrive_kinematics.core.commands.wheel_command import Twist
 from diffdrive_kinematics.core.kinematics import (
     check_duration, check_rate, NANOSECONDS, WheelGeometry)
 
-__all__ = ['DriveSettings']
-
 MOST_MADE_UP = 3.0
 """Speed that is asked for in a curve over the one that a straight takes, at most [1]."""
 

@@ -26,8 +26,6 @@ from diffdrive_kinematics.core.commands.saturation import saturate
 from diffdrive_kinematics.core.commands.wheel_command import STILL, Twist, WheelCommand
 from diffdrive_kinematics.core.kinematics import NANOSECONDS, RunningSum, wheel_rates_from_twist
 
-__all__ = ['DriveState']
-
 D = TypeVar('D', bound='DriveState')
 
 

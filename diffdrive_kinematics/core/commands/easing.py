@@ -24,8 +24,6 @@ step, and the largest c whose sum still fits is a closed form as well.
 
 import math
 
-__all__ = ['eased', 'largest_change']
-
 LEAST_FALL = 1e-200  # keeps the number of steps, and its square, finite
 
 

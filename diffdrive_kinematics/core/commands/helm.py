@@ -16,8 +16,6 @@
 
 from typing import NamedTuple, Tuple
 
-__all__ = ['Helm']
-
 AT_REST = (0.0, 0.0)
 
 

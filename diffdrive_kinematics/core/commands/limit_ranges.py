@@ -37,8 +37,6 @@ from functools import cached_property
 import math
 from typing import Tuple
 
-__all__ = ['LimitRanges']
-
 NAN = math.nan
 
 

@@ -19,8 +19,6 @@ from dataclasses import dataclass
 from diffdrive_kinematics.core.commands.easing import eased
 from diffdrive_kinematics.core.commands.limit_ranges import LimitRanges
 
-__all__ = ['AxisLimits']
-
 
 @dataclass(frozen=True)
 class AxisLimits(LimitRanges):

@@ -19,8 +19,6 @@ from typing import List, NamedTuple, Sequence, Tuple
 
 from diffdrive_kinematics.core.kinematics import check_finite, check_times, Command, NANOSECONDS
 
-__all__ = ['Course', 'TimedTwist', 'course_from_commands', 'course_from_recording']
-
 
 class TimedTwist(NamedTuple):
     """

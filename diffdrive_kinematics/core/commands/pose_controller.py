@@ -21,8 +21,6 @@ from diffdrive_kinematics.core.commands.steering import SteeringCommand, Steerin
 from diffdrive_kinematics.core.commands.wheel_command import STILL
 from diffdrive_kinematics.core.kinematics import check_positive, Pose, sinc, wrap_angle
 
-__all__ = ['PoseController']
-
 
 @dataclass(frozen=True)
 class PoseController:

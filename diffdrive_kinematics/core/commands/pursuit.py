@@ -23,8 +23,6 @@ from diffdrive_kinematics.core.commands.waypoints import Waypoints
 from diffdrive_kinematics.core.commands.wheel_command import STILL
 from diffdrive_kinematics.core.kinematics import check_length, check_positive, Pose, wrap_angle
 
-__all__ = ['PurePursuit', 'PursuitCommand']
-
 
 class PursuitCommand(NamedTuple):
     """

@@ -27,8 +27,6 @@ from typing import NamedTuple, Optional, Tuple
 from diffdrive_kinematics.core.commands.limits import AxisLimits
 from diffdrive_kinematics.core.commands.saturation import WheelBound
 
-__all__ = ['RampStep', 'ramp_step']
-
 WheelPair = Tuple[float, float]
 
 

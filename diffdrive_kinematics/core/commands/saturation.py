@@ -24,8 +24,6 @@ from typing import NamedTuple, Tuple
 
 from diffdrive_kinematics.core.kinematics import WheelGeometry
 
-__all__ = ['SaturatedRates', 'WheelBound', 'saturate', 'wheel_bound']
-
 ROUNDING = 2e-15  # what is saturated is within the bound in spite of its last digits
 
 

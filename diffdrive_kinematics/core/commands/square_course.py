@@ -25,8 +25,6 @@ from typing import List, NamedTuple, Tuple
 from diffdrive_kinematics.core.kinematics import (
     check_length, check_non_negative, check_positive, Command)
 
-__all__ = ['QUARTER', 'SquareRun', 'square_course', 'square_rounds']
-
 QUARTER = 0.5 * math.pi
 SHORTEST_REST_S = 1.0
 

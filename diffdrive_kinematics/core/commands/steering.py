@@ -35,8 +35,6 @@ from typing import NamedTuple, Protocol
 from diffdrive_kinematics.core.commands.wheel_command import Twist
 from diffdrive_kinematics.core.kinematics import check_positive, LARGEST, Pose
 
-__all__ = ['Progress', 'Law', 'SteeringCommand', 'SteeringLimits']
-
 
 class SteeringCommand(NamedTuple):
     """

@@ -21,8 +21,6 @@ from diffdrive_kinematics.core.commands.steering import SteeringCommand, Steerin
 from diffdrive_kinematics.core.commands.wheel_command import STILL
 from diffdrive_kinematics.core.kinematics import check_length, check_positive, Pose, wrap_angle
 
-__all__ = ['HeadingRegulator', 'PointForward']
-
 
 @dataclass(frozen=True)
 class HeadingRegulator:

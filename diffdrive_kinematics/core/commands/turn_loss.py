@@ -17,8 +17,6 @@
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ['share_kept']
-
 Array = NDArray[np.float64]
 
 LEAST_SHARE, ROUNDING = 0.1, 0.03

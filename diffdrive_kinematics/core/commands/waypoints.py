@@ -22,8 +22,6 @@ from diffdrive_kinematics.core.kinematics import is_sane, Pose
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ['Waypoints', 'waypoints_from_poses']
-
 Array = NDArray[np.float64]
 
 

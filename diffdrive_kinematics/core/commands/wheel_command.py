@@ -16,8 +16,6 @@
 
 from typing import NamedTuple, Tuple
 
-__all__ = ['STILL', 'Twist', 'WheelCommand']
-
 
 class Twist(NamedTuple):
     """

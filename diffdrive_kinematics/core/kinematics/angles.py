@@ -20,8 +20,6 @@ from typing import overload
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ['wrap_angle']
-
 
 @overload
 def wrap_angle(angle: float) -> float: ...

@@ -20,8 +20,6 @@ from typing import overload, Tuple
 from diffdrive_kinematics.core.kinematics.pose import Pose, Scalar
 import numpy as np
 
-__all__ = ['advance', 'displacement', 'sinc']
-
 
 def sinc(angle: Scalar) -> Scalar:
     """

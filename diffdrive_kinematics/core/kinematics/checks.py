@@ -21,9 +21,6 @@ and raises ``ValueError``.  A value passes where it lies between two bounds, so 
 
 import math
 
-__all__ = [
-    'LARGEST', 'check_above', 'check_finite', 'check_non_negative', 'check_positive', 'is_sane']
-
 LARGEST = 1e12
 """Bound of every rate, speed and travel: far above any wheel, far below overflow."""
 

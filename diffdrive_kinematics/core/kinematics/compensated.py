@@ -21,8 +21,6 @@ than 1e-9 m (Knuth's two-sum; Dekker 1971).
 
 from typing import NamedTuple
 
-__all__ = ['RunningSum']
-
 _new = tuple.__new__  # what a NamedTuple calls, in half the time
 
 

@@ -37,10 +37,6 @@ from diffdrive_kinematics.core.kinematics.ranges import check_length
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = [
-    'Number', 'WheelGeometry', 'pose_change_from_travel', 'travel_from_angles',
-    'twist_from_wheel_rates', 'wheel_rates_from_twist']
-
 Number = TypeVar('Number', float, NDArray[np.float64])
 
 

@@ -25,8 +25,6 @@ from typing import Callable, Tuple
 from diffdrive_kinematics.core.kinematics.checks import check_finite
 from diffdrive_kinematics.core.kinematics.pose import Pose, pose_rate, Scalar
 
-__all__ = ['euler', 'integrate_euler', 'integrate_runge_kutta', 'runge_kutta']
-
 State = Tuple[Scalar, ...]
 RateOfState = Callable[[State, float], State]
 TwistOfTime = Callable[[float], Tuple[float, float]]

@@ -18,8 +18,6 @@ from diffdrive_kinematics.core.kinematics.geometry import WheelGeometry
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ['inverse_jacobian', 'jacobian']
-
 
 def jacobian(geometry: WheelGeometry) -> NDArray[np.float64]:
     """

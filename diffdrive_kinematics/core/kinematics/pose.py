@@ -26,8 +26,6 @@ from diffdrive_kinematics.core.kinematics.angles import wrap_angle
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ['Pose', 'Scalar', 'between', 'compose', 'inverse', 'pose_rate']
-
 Scalar = Union[float, NDArray[np.float64]]
 
 

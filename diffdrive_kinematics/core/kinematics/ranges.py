@@ -14,8 +14,6 @@
 
 """Checks of rates, durations and lengths against what they can be at all."""
 
-__all__ = ['check_duration', 'check_length', 'check_rate']
-
 
 def check_rate(name: str, value: float) -> float:
     """

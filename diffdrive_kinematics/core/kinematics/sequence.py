@@ -22,8 +22,6 @@ from diffdrive_kinematics.core.kinematics.arc import advance
 from diffdrive_kinematics.core.kinematics.checks import check_finite, check_non_negative
 from diffdrive_kinematics.core.kinematics.pose import Pose
 
-__all__ = ['Command', 'check_times', 'pose_after', 'poses_along', 'retraced']
-
 
 @dataclass(frozen=True)
 class Command:

@@ -21,8 +21,6 @@ from diffdrive_kinematics.core.kinematics.checks import check_finite
 from diffdrive_kinematics.core.kinematics.geometry import WheelGeometry
 from diffdrive_kinematics.core.kinematics.pose import Pose
 
-__all__ = ['turning_centre', 'turning_radius']
-
 
 def turning_radius(geometry: WheelGeometry, d_left: float, d_right: float) -> float:
     """

@@ -14,7 +14,5 @@
 
 """Units other than those of SI."""
 
-__all__ = ['NANOSECONDS']
-
 NANOSECONDS = 1_000_000_000
 """In a second.  Stamps are whole nanoseconds; everything else is in SI units."""

@@ -24,8 +24,6 @@ from diffdrive_kinematics.core.models.system import admitted, Bounds, ControlSys
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ['Augmented', 'augmented']
-
 Value = TypeVar('Value')
 
 

@@ -23,8 +23,6 @@ from diffdrive_kinematics.core.models.robots import tricycle
 from diffdrive_kinematics.core.models.rolling import Rolling
 from diffdrive_kinematics.core.models.system import Vector
 
-__all__ = ['ackermann_car', 'car', 'front_wheel_angles', 'least_turning_radius']
-
 
 def car(*, wheel_base: float, max_steering: float, max_speed: float = math.inf) -> Rolling:
     """

@@ -28,8 +28,6 @@ from diffdrive_kinematics.core.models.system import Vector
 from diffdrive_kinematics.core.noise import check_distribution, draw_unit, unit_bound
 import numpy as np
 
-__all__ = ['Disturbance', 'Step', 'bounded', 'disturbed']
-
 Step = Tuple[Vector, float]
 """A command, and the time [s] for which it is held."""
 

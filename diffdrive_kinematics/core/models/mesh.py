@@ -21,8 +21,6 @@ from diffdrive_kinematics.core.noise import outer_boundary
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ['swept', 'widened']
-
 Array = NDArray[np.float64]
 Points = NDArray[np.complex128]
 Indices = NDArray[np.int64]

@@ -23,8 +23,6 @@ from diffdrive_kinematics.core.models.transitions import transition
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ['sample_paths']
-
 
 def sample_paths(
         system: ControlSystem, start: Vector, steps: Sequence[Step], disturbance: Disturbance, *,

@@ -35,8 +35,6 @@ from diffdrive_kinematics.core.models.stray import Box, Piece, stray
 from diffdrive_kinematics.core.models.system import ControlSystem, Vector
 import numpy as np
 
-__all__ = ['pieces_of']
-
 MOST_CUTS = 16
 """Into how many pieces a step is cut at most."""
 

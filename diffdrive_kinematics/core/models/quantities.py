@@ -20,8 +20,6 @@ from typing import NamedTuple
 from diffdrive_kinematics.core.kinematics import Scalar
 import numpy as np
 
-__all__ = ['Quantity', 'both_ways', 'clipped', 'function_of', 'steering_bound']
-
 
 class Quantity(NamedTuple):
     """

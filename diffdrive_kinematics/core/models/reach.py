@@ -41,8 +41,6 @@ from diffdrive_kinematics.core.noise import area, perimeter, simplified
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ['reachable_boundary']
-
 Array = NDArray[np.float64]
 Points = NDArray[np.complex128]
 

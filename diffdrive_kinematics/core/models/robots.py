@@ -27,10 +27,6 @@ from diffdrive_kinematics.core.kinematics import (
 from diffdrive_kinematics.core.models.quantities import both_ways, function_of, steering_bound
 from diffdrive_kinematics.core.models.rolling import Rolling
 
-__all__ = [
-    'bicycle', 'differential_drive', 'front_drive_tricycle', 'rear_wheels_tricycle', 'tricycle',
-    'unicycle']
-
 STEEPEST = math.radians(89.0)
 """Largest steering angle of a robot that is driven from the rear: at 90 degrees it skids."""
 

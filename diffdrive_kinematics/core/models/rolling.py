@@ -21,8 +21,6 @@ from diffdrive_kinematics.core.kinematics import Pose, pose_rate, Scalar
 from diffdrive_kinematics.core.models.quantities import Quantity
 from diffdrive_kinematics.core.models.system import admitted, Bounds, Vector
 
-__all__ = ['Rolling']
-
 POSE = (Quantity('x', 'm'), Quantity('y', 'm'), Quantity('theta', 'rad'))
 
 

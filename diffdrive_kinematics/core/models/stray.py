@@ -19,8 +19,6 @@ from typing import NamedTuple, Tuple
 from diffdrive_kinematics.core.models.rolling import Rolling
 import numpy as np
 
-__all__ = ['Box', 'Piece', 'Stray', 'stray']
-
 Interval = Tuple[float, float]
 Box = Tuple[Interval, ...]
 

@@ -25,8 +25,6 @@ from typing import Protocol, Sequence, Tuple
 from diffdrive_kinematics.core.kinematics import Scalar
 from diffdrive_kinematics.core.models.quantities import clipped, Quantity
 
-__all__ = ['Bounds', 'ControlSystem', 'Vector', 'admitted', 'check_command']
-
 Vector = Tuple[Scalar, ...]
 Bounds = Tuple[Tuple[Scalar, Scalar], ...]
 

@@ -22,8 +22,6 @@ from diffdrive_kinematics.core.kinematics import (
 from diffdrive_kinematics.core.models.rolling import Rolling
 from diffdrive_kinematics.core.models.system import admitted, ControlSystem, Vector
 
-__all__ = ['transition', 'transition_euler', 'transition_runge_kutta']
-
 
 def transition(
         system: ControlSystem, state: Vector, command: Vector, duration: float, *,

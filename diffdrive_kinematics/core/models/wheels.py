@@ -21,8 +21,6 @@ from typing import NamedTuple, Sequence
 from diffdrive_kinematics.core.kinematics import check_finite
 import numpy as np
 
-__all__ = ['Motion', 'RollingCentre', 'Wheel', 'rolling_centre']
-
 TOLERANCE = 1e-9
 """Of the directions, and of the places over the size of the vehicle."""
 

@@ -21,8 +21,6 @@ from diffdrive_kinematics.core.kinematics import Number
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ['arc_means', 'arc_means_of_all', 'polynomial']
-
 Array = NDArray[np.float64]
 
 

@@ -49,8 +49,6 @@ from diffdrive_kinematics.core.noise.integrated_moments import integrated_moment
 from diffdrive_kinematics.core.noise.pose_moments import followed, PoseMoments
 from diffdrive_kinematics.core.noise.turning_moments import turning_moments
 
-__all__ = ['arc_moments', 'propagated_moments', 'slip_on_arc']
-
 TURNING = 0.3  # [rad], from where the closed form keeps digits enough
 PIVOTING = 0.05  # [rad], from where it does on small radii: s^2 V < TIGHT Q Delta^2, which is a
 TIGHT = 1e3  # radius below 16 separations

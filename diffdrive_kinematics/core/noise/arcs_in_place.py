@@ -24,8 +24,6 @@ from diffdrive_kinematics.core.noise.step_noise import StepNoise
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ['move_arcs', 'move_chunk']
-
 Array = NDArray[np.float64]
 
 

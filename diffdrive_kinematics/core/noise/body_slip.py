@@ -32,8 +32,6 @@ from diffdrive_kinematics.core.kinematics import check_non_negative, Number, Sca
 from diffdrive_kinematics.core.noise.distributions import check_distribution
 import numpy as np
 
-__all__ = ['BodyNoise', 'BodySlip', 'NO_BODY_SLIP', 'body_noise', 'body_variances']
-
 
 @dataclass(frozen=True)
 class BodySlip:

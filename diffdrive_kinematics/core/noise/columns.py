@@ -20,8 +20,6 @@ from diffdrive_kinematics.core.kinematics import Pose, Scalar
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ['Columns', 'checked_columns', 'checked_out', 'described']
-
 Array = NDArray[np.float64]
 
 

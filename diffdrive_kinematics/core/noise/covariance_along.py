@@ -27,8 +27,6 @@ from diffdrive_kinematics.core.noise.path_arcs import arcs_along
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ['covariance_along']
-
 Array = NDArray[np.float64]
 
 

@@ -38,9 +38,6 @@ from diffdrive_kinematics.core.kinematics import check_finite, check_non_negativ
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = [
-    'DISTRIBUTIONS', 'check_distribution', 'draw_unit', 'sample_heading', 'unit_bound']
-
 DISTRIBUTIONS = ('gaussian', 'truncated_gaussian', 'triangular', 'uniform')
 
 Draw = Union[float, NDArray[np.float64]]

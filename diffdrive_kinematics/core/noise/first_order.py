@@ -35,8 +35,6 @@ from diffdrive_kinematics.core.kinematics import (
 from diffdrive_kinematics.core.noise.arc_means import arc_means
 from diffdrive_kinematics.core.noise.pose_covariance import PoseCovariance
 
-__all__ = ['moved_covariance', 'propagated_covariance', 'slip_covariance']
-
 
 def slip_covariance(
         geometry: WheelGeometry, heading: float, d_left: float, d_right: float,

@@ -25,8 +25,6 @@ from typing import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ['fill_half_angles', 'fill_sincs']
-
 Array = NDArray[np.float64]
 
 TURN, TURN_REST = 6.2831853069365025, 2.430840202602477e-10

@@ -20,8 +20,6 @@ from typing import NamedTuple
 from diffdrive_kinematics.core.kinematics import check_non_negative
 import numpy as np
 
-__all__ = ['GAUSSIAN', 'HeadingMoments', 'heading_variance', 'von_mises_moments']
-
 
 class HeadingMoments(NamedTuple):
     """

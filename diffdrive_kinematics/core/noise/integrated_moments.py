@@ -21,8 +21,6 @@ from diffdrive_kinematics.core.noise.heading_moments import GAUSSIAN
 from diffdrive_kinematics.core.noise.pose_covariance import PoseCovariance
 from diffdrive_kinematics.core.noise.pose_moments import PoseMoments
 
-__all__ = ['REACH', 'integrated_moments']
-
 
 class _Rule(NamedTuple):
     """Gauss-Legendre quadrature over [0, 1], up to a turn + 4 V of ``reach``."""

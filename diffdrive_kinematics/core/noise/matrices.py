@@ -19,8 +19,6 @@ from typing import Tuple
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ['gathered', 'pose_jacobians', 'rotations']
-
 Array = NDArray[np.float64]
 
 

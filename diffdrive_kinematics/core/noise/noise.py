@@ -40,10 +40,6 @@ from diffdrive_kinematics.core.noise.distributions import check_distribution, dr
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = [
-    'SLIP_MODELS', 'WheelSlip', 'check_slip_model', 'effective_ratio', 'sample_travel',
-    'travel_variance']
-
 SLIP_MODELS = ('travel', 'command')
 
 Travel = Union[float, NDArray[np.float64]]

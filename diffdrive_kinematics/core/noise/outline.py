@@ -25,8 +25,6 @@ from diffdrive_kinematics.core.noise.polygons import segment_distances
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ['outer_boundary']
-
 Points = NDArray[np.complex128]
 Pairs = NDArray[np.int64]
 Vector = NDArray[np.float64]

@@ -21,8 +21,6 @@ from diffdrive_kinematics.core.noise.matrices import gathered
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ['ArcsAlong', 'arcs_along']
-
 Array = NDArray[np.float64]
 
 

@@ -21,8 +21,6 @@ from diffdrive_kinematics.core.kinematics import is_sane, LARGEST, Pose
 from diffdrive_kinematics.core.noise.pose_covariance import PoseCovariance
 import numpy as np
 
-__all__ = ['planar_covariance', 'planar_pose', 'yaw_from_quaternion']
-
 UNIT_TOLERANCE = 1e-2
 RELATIVE_TOLERANCE = 1e-6
 NEGLIGIBLE = 1e-100

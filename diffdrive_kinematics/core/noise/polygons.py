@@ -22,8 +22,6 @@ closed.
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ['area', 'perimeter', 'segment_distances', 'simplified']
-
 Points = NDArray[np.complex128]
 Vector = NDArray[np.float64]
 

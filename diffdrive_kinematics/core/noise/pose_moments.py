@@ -21,10 +21,6 @@ from diffdrive_kinematics.core.noise.heading_moments import (
     GAUSSIAN, HeadingMoments, von_mises_moments)
 from diffdrive_kinematics.core.noise.pose_covariance import NO_COVARIANCE, PoseCovariance
 
-__all__ = [
-    'CERTAIN', 'PoseMoments', 'followed', 'gaussian_moments', 'heading_moments',
-    'second_moment_after']
-
 
 class PoseMoments(NamedTuple):
     """

@@ -26,8 +26,6 @@ from diffdrive_kinematics.core.noise.step_noise import travel_of_command
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ['Projected', 'projected']
-
 Array = NDArray[np.float64]
 
 

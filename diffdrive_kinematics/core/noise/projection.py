@@ -41,8 +41,6 @@ from diffdrive_kinematics.core.noise.step_noise import step_noise, travel_of_com
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ['propagate', 'sample_paths']
-
 Array = NDArray[np.float64]
 Seed = Union[int, Sequence[int]]
 

@@ -22,8 +22,6 @@ from diffdrive_kinematics.core.noise.stage import Stage
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ['mesh_of', 'slice_of', 'turn_errors', 'turned_edges']
-
 Array = NDArray[np.float64]
 Points = NDArray[np.complex128]
 Pairs = NDArray[np.int64]

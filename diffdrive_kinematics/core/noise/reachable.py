@@ -53,8 +53,6 @@ from diffdrive_kinematics.core.noise.stage import Stage, stage_from_slip, with_p
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ['Stage', 'reachable_set', 'reachable_set_from_slip', 'stage_from_slip']
-
 Array = NDArray[np.float64]
 Points = NDArray[np.complex128]
 Pairs = NDArray[np.int64]

@@ -51,8 +51,6 @@ from diffdrive_kinematics.core.noise.pose_covariance import PoseCovariance
 from diffdrive_kinematics.core.noise.pose_moments import gaussian_moments, PoseMoments
 from diffdrive_kinematics.core.noise.session_errors import SessionSpread
 
-__all__ = ['SessionBelief']
-
 ROOT_HALF = math.sqrt(0.5)
 
 

@@ -31,10 +31,6 @@ from typing import NamedTuple, Optional, Tuple
 from diffdrive_kinematics.core.kinematics import check_non_negative, Scalar
 import numpy as np
 
-__all__ = [
-    'NO_SESSION', 'SessionError', 'SessionSpread', 'check_session_fraction', 'draw_session',
-    'session_generator', 'travel_in_session']
-
 LARGEST_FRACTION = 0.1
 STREAM = (0,)  # of the session, beside that of the slip, which has no spawn key
 

@@ -28,8 +28,6 @@ from diffdrive_kinematics.core.noise.distributions import unit_bound
 from diffdrive_kinematics.core.noise.noise import travel_variance, WheelSlip
 from diffdrive_kinematics.core.noise.step_noise import lateral_variances
 
-__all__ = ['Stage', 'stage_from_slip', 'with_pivots_joined']
-
 NEGLIGIBLE = 1e-8
 """Travel [m] of a wheel that rests: what rounding leaves of it, and the slip of that."""
 

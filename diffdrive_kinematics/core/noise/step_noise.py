@@ -23,8 +23,6 @@ from diffdrive_kinematics.core.noise.body_slip import (
 from diffdrive_kinematics.core.noise.noise import travel_variance, WheelSlip
 import numpy as np
 
-__all__ = ['StepNoise', 'lateral_variances', 'step_noise', 'travel_of_command']
-
 
 class StepNoise(NamedTuple):
     """

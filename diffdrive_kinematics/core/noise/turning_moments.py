@@ -27,8 +27,6 @@ from diffdrive_kinematics.core.noise.heading_moments import GAUSSIAN
 from diffdrive_kinematics.core.noise.pose_covariance import PoseCovariance
 from diffdrive_kinematics.core.noise.pose_moments import PoseMoments
 
-__all__ = ['turning_moments']
-
 UNKNOWN = complex(math.nan, math.nan)
 
 

@@ -20,8 +20,6 @@ from diffdrive_kinematics.core.kinematics import (
     check_non_negative, check_positive, twist_from_wheel_rates, WheelGeometry)
 from diffdrive_kinematics.core.noise.body_slip import body_variances, BodySlip, NO_BODY_SLIP
 
-__all__ = ['TwistCovariance', 'twist_covariance']
-
 
 class TwistCovariance(NamedTuple):
     """

@@ -23,8 +23,6 @@ from diffdrive_kinematics.core.noise import (
     CERTAIN, NO_COVARIANCE, NO_SESSION, PoseCovariance, PoseMoments, SessionBelief,
     SessionSpread)
 
-__all__ = ['Anchor']
-
 
 class Anchor(NamedTuple):
     """

@@ -25,8 +25,6 @@ from typing import Callable, List, NamedTuple, Optional, Tuple
 from diffdrive_kinematics.core.kinematics import NANOSECONDS
 from diffdrive_kinematics.core.odometry.wheel_sample import WheelPair, WheelSample, ZERO
 
-__all__ = ['AnsweredMotion']
-
 
 class AnsweredMotion(NamedTuple):
     """

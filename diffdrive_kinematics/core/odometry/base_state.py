@@ -19,8 +19,6 @@ from typing import NamedTuple, Tuple
 from diffdrive_kinematics.core.kinematics import Pose
 from diffdrive_kinematics.core.odometry.wheel_sample import WheelPair
 
-__all__ = ['BaseState']
-
 
 class BaseState(NamedTuple):
     """

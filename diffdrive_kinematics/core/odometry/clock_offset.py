@@ -16,8 +16,6 @@
 
 from typing import NamedTuple, Optional
 
-__all__ = ['ClockOffset', 'FEWEST', 'PATIENCE_NS']
-
 PATIENCE_NS = 1_000_000_000
 FEWEST = 5  # messages to judge by
 

@@ -26,8 +26,6 @@ from typing import Sequence, Tuple
 
 from diffdrive_kinematics.core.kinematics import check_non_negative
 
-__all__ = ['Encoder', 'PositionTrack', 'wrapped_increment']
-
 
 def wrapped_increment(increment: float, period: float) -> float:
     """

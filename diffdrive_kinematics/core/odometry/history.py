@@ -20,8 +20,6 @@ from typing import Tuple
 from diffdrive_kinematics.core.kinematics import Pose
 from diffdrive_kinematics.core.odometry.odometry import Odometry
 
-__all__ = ['OdometryHistory']
-
 LONGEST = 128
 
 

@@ -24,8 +24,6 @@ up, no motion counts twice, and a joint whose messages come late turns nothing.
 import math
 from typing import Collection, Mapping, NamedTuple, Optional, Tuple
 
-__all__ = ['Assembled', 'Assembly', 'JointReading']
-
 STEP_NS = 1_000_000_000  # back: the clock was stepped; further apart: clocks of their own
 MOST_EARLIER = 500  # readings of a joint
 POSITION, RATE = 1, 2  # in a reading

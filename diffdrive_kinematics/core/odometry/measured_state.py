@@ -21,8 +21,6 @@ from diffdrive_kinematics.core.odometry.rate_window import RateWindow
 from diffdrive_kinematics.core.odometry.velocity_check import VelocityCheck
 from diffdrive_kinematics.core.odometry.wheel_sample import WheelPair, ZERO
 
-__all__ = ['MeasuredState']
-
 REACH = 3  # usual intervals
 CREDIBLE = 2.0  # times the rate of the positions: a velocity above it is an outlier
 STEADY = 3  # messages in a row in which a wheel turned one way

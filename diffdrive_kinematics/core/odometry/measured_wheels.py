@@ -34,8 +34,6 @@ from diffdrive_kinematics.core.kinematics import NANOSECONDS
 from diffdrive_kinematics.core.odometry.measured_state import MeasuredState
 from diffdrive_kinematics.core.odometry.wheel_sample import WheelPair, ZERO
 
-__all__ = ['MeasuredWheels']
-
 RESTING = 2  # messages in a row in which it did not
 
 

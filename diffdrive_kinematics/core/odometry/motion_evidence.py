@@ -20,8 +20,6 @@ from typing import NamedTuple, Optional
 from diffdrive_kinematics.core.odometry.wheel_motion import rolled, WheelMotion
 from diffdrive_kinematics.core.odometry.wheel_sample import WheelPair, WheelSample
 
-__all__ = ['Evidence', 'evidence_of']
-
 
 class Evidence(NamedTuple):
     """

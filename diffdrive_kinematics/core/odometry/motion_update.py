@@ -37,8 +37,6 @@ from diffdrive_kinematics.core.odometry.wheel_motion import baseline, rolled, Wh
 from diffdrive_kinematics.core.odometry.wheel_sample import (
     is_run, Verdict, WheelPair, WheelSample, ZERO)
 
-__all__ = ['MotionUpdate', 'update_motion']
-
 MOVED, REPEATED = Verdict.MOVED, Verdict.REPEATED  # an enum is slow to look up
 
 

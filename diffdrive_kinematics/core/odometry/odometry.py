@@ -34,8 +34,6 @@ from diffdrive_kinematics.core.odometry.wheel_sample import (
     Verdict, WheelPair, WheelSample, ZERO)
 from diffdrive_kinematics.core.odometry.wheel_track import WheelTrack
 
-__all__ = ['Odometry']
-
 REPEATED, OUT_OF_ORDER = Verdict.REPEATED, Verdict.OUT_OF_ORDER  # an enum is slow to look up
 
 

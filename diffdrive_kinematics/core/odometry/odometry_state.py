@@ -34,8 +34,6 @@ from diffdrive_kinematics.core.odometry.wheel_motion import WheelMotion
 from diffdrive_kinematics.core.odometry.wheel_sample import WheelPair, ZERO
 from diffdrive_kinematics.core.odometry.wheel_track import WheelTrack
 
-__all__ = ['OdometryState']
-
 State = TypeVar('State', bound='OdometryState')
 
 

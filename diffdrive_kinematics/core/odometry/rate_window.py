@@ -30,8 +30,6 @@ from typing import NamedTuple, Tuple
 from diffdrive_kinematics.core.kinematics import NANOSECONDS
 from diffdrive_kinematics.core.odometry.wheel_sample import WheelPair, ZERO
 
-__all__ = ['RateWindow']
-
 USUAL_NS = 20_000_000  # the interval expected before two messages are known
 WEIGHT = 16  # of what was usual, against one more interval
 LONGEST = 4  # usual intervals that one more counts for at most

@@ -32,8 +32,6 @@ from typing import Tuple
 
 from diffdrive_kinematics.core.odometry.clock_offset import ClockOffset, FEWEST, PATIENCE_NS
 
-__all__ = ['SenderClock']
-
 DRIFT = 100  # the least latency may rise by one part of so many
 HYSTERESIS = 10  # clocks that were apart agree again within one part in so many of the tolerance
 

@@ -33,8 +33,6 @@ since a message does not say whose it is; its age is the least that one of them 
 
 from typing import NamedTuple, Optional, Tuple
 
-__all__ = ['REMEMBERED_NS', 'SenderClocks']
-
 WHILE_NS = 300_000_000  # for which messages of another clock come equally late
 EQUALLY_NS = 100_000_000
 GAP_NS = 1_000_000_000  # beyond the timeout: the longest between two such messages

@@ -33,8 +33,6 @@ from diffdrive_kinematics.core.odometry.wheel_motion import baseline, rolled, Wh
 from diffdrive_kinematics.core.odometry.wheel_sample import Verdict, WheelPair, WheelSample, ZERO
 import numpy as np
 
-__all__ = ['SlipStream']
-
 
 @dataclass(frozen=True)
 class SlipStream:

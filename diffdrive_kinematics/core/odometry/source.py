@@ -17,8 +17,6 @@
 import math
 from typing import NamedTuple, Optional, Sequence, Tuple
 
-__all__ = ['JointMessage', 'Source', 'TAKEOVER_NS']
-
 LARGEST_GAP = 100  # messages that are lost without a silence; who is further ahead is another one
 FASTEST_NS = 500_000  # between messages: what a silence may have swallowed
 TAKEOVER_NS = 500_000_000  # of silence, where a single publisher is known

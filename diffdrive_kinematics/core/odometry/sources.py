@@ -31,8 +31,6 @@ from typing import NamedTuple, Optional, Sequence, Tuple
 
 from diffdrive_kinematics.core.odometry.source import JointMessage, Source, TAKEOVER_NS
 
-__all__ = ['Sources']
-
 CONTESTED_TAKEOVER_NS = 2_000_000_000  # of silence, where two have sent in turn
 CONTEST_NS = 5_000_000_000  # for which it is reported after the last sign of it
 FORGOTTEN_NS = 10_000_000_000

@@ -18,8 +18,6 @@ from typing import Optional
 
 from diffdrive_kinematics.core.kinematics import NANOSECONDS
 
-__all__ = ['step_tolerance', 'timeout_from_seconds', 'tolerance_of']
-
 STEP_TOLERANCE_NS = 1_000_000_000
 TOLERANCE_NS = 250_000_000
 

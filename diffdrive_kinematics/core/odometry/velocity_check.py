@@ -29,8 +29,6 @@ from typing import NamedTuple, Optional, Tuple
 
 from diffdrive_kinematics.core.odometry.wheel_sample import WheelPair, ZERO
 
-__all__ = ['Mismatch', 'VelocityCheck']
-
 FEWEST = 10  # messages of a block,
 SHORTEST_S = 0.5  # its duration
 LONGEST_S = 5.0

@@ -17,8 +17,6 @@
 import math
 from typing import NamedTuple, Sequence, Tuple
 
-__all__ = ['Disagreement', 'Flags', 'Floats', 'SHARE', 'judged', 'mean_of']
-
 SHARE = 0.25  # of the longest way
 STANDS = 0.1  # of the longest way
 Floats = Tuple[float, ...]

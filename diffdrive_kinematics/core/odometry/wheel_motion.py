@@ -26,8 +26,6 @@ from typing import NamedTuple, Optional
 from diffdrive_kinematics.core.kinematics import NANOSECONDS
 from diffdrive_kinematics.core.odometry.wheel_sample import is_run, WheelPair, WheelSample, ZERO
 
-__all__ = ['WheelMotion', 'anchored', 'baseline', 'is_silent', 'rates_at', 'rolled', 'shifted']
-
 
 class WheelMotion(NamedTuple):
     """

@@ -20,8 +20,6 @@ from typing import Optional, Tuple
 
 from diffdrive_kinematics.core.kinematics import is_sane, LARGEST
 
-__all__ = ['Verdict', 'WheelPair', 'WheelSample', 'ZERO', 'is_run']
-
 WheelPair = Tuple[float, float]
 ZERO: WheelPair = (0.0, 0.0)
 

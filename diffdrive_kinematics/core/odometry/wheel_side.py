@@ -38,9 +38,7 @@ from typing import NamedTuple, Optional, Sequence, Tuple
 
 from diffdrive_kinematics.core.kinematics import is_sane
 from diffdrive_kinematics.core.odometry.wheel_comparison import (
-    Disagreement, Flags, Floats, judged, mean_of, SHARE)
-
-__all__ = ['SHARE', 'SideTrack']
+    Disagreement, Flags, Floats, judged, mean_of)
 
 LEAST_TRAVEL = 0.5  # [rad]
 LEAST_CHANGES = 8

@@ -25,8 +25,6 @@ from diffdrive_kinematics.core.odometry.wheel_motion import (
     is_silent, rolled, shifted, WheelMotion)
 from diffdrive_kinematics.core.odometry.wheel_sample import WheelPair, ZERO
 
-__all__ = ['WheelState']
-
 W = TypeVar('W', bound='WheelState')
 
 

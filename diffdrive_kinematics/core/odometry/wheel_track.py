@@ -31,8 +31,6 @@ from diffdrive_kinematics.core.odometry.wheel_sample import (
     is_run, Verdict, WheelPair, WheelSample, ZERO)
 from diffdrive_kinematics.core.odometry.wheel_state import WheelState
 
-__all__ = ['WheelTrack']
-
 Arcs = Tuple[WheelPair, ...]
 NO_ARCS: Arcs = ()
 FIRST, REPEATED, OUT_OF_ORDER, CLOCK_STEP = (  # an enum is slow to look up

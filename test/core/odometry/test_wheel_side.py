@@ -18,7 +18,8 @@ import math
 import random
 
 from diffdrive_kinematics.core.odometry import Encoder
-from diffdrive_kinematics.core.odometry.wheel_side import SHARE, SideTrack
+from diffdrive_kinematics.core.odometry.wheel_comparison import SHARE
+from diffdrive_kinematics.core.odometry.wheel_side import SideTrack
 from hypothesis import given, strategies
 import pytest
 
