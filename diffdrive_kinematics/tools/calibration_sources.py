@@ -20,7 +20,7 @@ from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Sequence, Tup
 from diffdrive_kinematics.core.calibration import (
     drive_from_commands, drive_from_positions, drive_from_rates, drive_from_ticks,
     RecordedDrive, ReturnError)
-from diffdrive_kinematics.core.kinematics import LARGEST, Pose, WheelGeometry
+from diffdrive_kinematics.core.kinematics import Array, LARGEST, Pose, WheelGeometry
 from diffdrive_kinematics.tools.bag_drives import add_bag, COMMANDS, Read
 from diffdrive_kinematics.tools.bags import is_bag
 from diffdrive_kinematics.tools.collection import Collection
@@ -28,7 +28,6 @@ from diffdrive_kinematics.tools.plausible import check_stamps, check_units
 from diffdrive_kinematics.tools.recordings import (
     check_columns, COMMAND_COLUMNS, Header, nobody, read_chosen, read_columns)
 import numpy as np
-from numpy.typing import NDArray
 
 __all__ = ['Drives', 'MOTIONS', 'read_drives', 'read_square_runs']
 
@@ -41,7 +40,6 @@ MOTIONS: Dict[str, Tuple[str, ...]] = {
     'ticks': ('time_sec', 'left_ticks', 'right_ticks')}
 """Columns of each kind of motion, which its header tells."""
 
-Array = NDArray[np.float64]
 Progress = Callable[[str], None]
 
 

@@ -23,13 +23,11 @@ import math
 from typing import Mapping, NamedTuple, Optional, Sequence, Tuple
 
 from diffdrive_kinematics.core.calibration import RecordedDrive
-from diffdrive_kinematics.core.kinematics import WheelGeometry
+from diffdrive_kinematics.core.kinematics import Array, WheelGeometry
 import numpy as np
 from numpy.typing import NDArray
 
 __all__ = ['check_commands', 'check_stamps', 'check_units']
-
-Array = NDArray[np.float64]
 
 STAMPS = (('nanoseconds', 1e9), ('microseconds', 1e6), ('milliseconds', 1e3))
 NO_STAMP_S = 1e11

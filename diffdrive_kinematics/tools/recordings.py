@@ -23,8 +23,8 @@ from pathlib import Path
 from typing import Callable, Iterator, List, Sequence, Tuple
 import zlib
 
+from diffdrive_kinematics.core.kinematics import Array
 import numpy as np
-from numpy.typing import NDArray
 
 __all__ = [
     'COMMAND_COLUMNS', 'Header', 'check_columns', 'nobody', 'read_chosen', 'read_columns']
@@ -33,7 +33,6 @@ COMMAND_COLUMNS = ('time_sec', 'linear_x', 'angular_z')
 PROGRESS_ROWS = 4096
 
 Header = Tuple[str, ...]
-Array = NDArray[np.float64]
 
 
 def nobody(_: str) -> None:

@@ -23,11 +23,10 @@ from typing import NamedTuple, Tuple
 
 from diffdrive_kinematics.core.calibration.calibration_parameters import CalibrationParameters
 from diffdrive_kinematics.core.calibration.recorded_drive import RecordedDrive
-from diffdrive_kinematics.core.kinematics import WheelGeometry
+from diffdrive_kinematics.core.kinematics import Array, WheelGeometry
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
 

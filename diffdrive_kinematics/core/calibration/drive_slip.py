@@ -42,11 +42,8 @@ from diffdrive_kinematics.core.calibration.slip_window import slip_window, SlipW
 from diffdrive_kinematics.core.calibration.trajectory_result import TrajectoryFit
 from diffdrive_kinematics.core.calibration.trajectory_windows import windows_between
 from diffdrive_kinematics.core.calibration.window_weights import distance, REJECTED, Variances
-from diffdrive_kinematics.core.kinematics import Pose, WheelGeometry
+from diffdrive_kinematics.core.kinematics import Array, Pose, WheelGeometry
 import numpy as np
-from numpy.typing import NDArray
-
-Array = NDArray[np.float64]
 
 _Counted = Tuple[SlipWindow, float]
 

@@ -25,10 +25,8 @@ its middle.
 
 from diffdrive_kinematics.core.calibration.fit_state import FitState
 from diffdrive_kinematics.core.calibration.gauss_newton import inverse_of
+from diffdrive_kinematics.core.kinematics import Array
 import numpy as np
-from numpy.typing import NDArray
-
-Array = NDArray[np.float64]
 
 
 def parameter_covariance(state: FitState) -> Array:

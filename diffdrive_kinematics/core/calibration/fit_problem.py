@@ -28,11 +28,8 @@ from diffdrive_kinematics.core.calibration.drive_odometry import odometry_at
 from diffdrive_kinematics.core.calibration.recorded_drive import RecordedDrive
 from diffdrive_kinematics.core.calibration.trajectory_windows import WindowSet
 from diffdrive_kinematics.core.calibration.window_residuals import linearised, WindowResiduals
-from diffdrive_kinematics.core.kinematics import WheelGeometry
+from diffdrive_kinematics.core.kinematics import Array, WheelGeometry
 import numpy as np
-from numpy.typing import NDArray
-
-Array = NDArray[np.float64]
 
 
 class Column(NamedTuple):

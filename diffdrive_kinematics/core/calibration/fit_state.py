@@ -27,10 +27,9 @@ from diffdrive_kinematics.core.calibration.fit_problem import Problem
 from diffdrive_kinematics.core.calibration.window_residuals import WindowResiduals
 from diffdrive_kinematics.core.calibration.window_weights import (
     distance, Variances, window_covariance)
+from diffdrive_kinematics.core.kinematics import Array
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
 Gain = Tuple[List[int], Array, Array]
 
 LONGEST_STEP = CalibrationParameters(

@@ -22,10 +22,8 @@ elsewhere.
 
 from typing import Callable, List, NamedTuple, Protocol, Tuple, TypeVar
 
+from diffdrive_kinematics.core.kinematics import Array
 import numpy as np
-from numpy.typing import NDArray
-
-Array = NDArray[np.float64]
 
 ROUNDS, SETTLED = 100, 1e-2
 """Steps after which the search gives up, and standard errors below which a step ends it."""

@@ -23,10 +23,9 @@ less than half a turn from one to the next are needed.
 from dataclasses import dataclass, replace
 
 from diffdrive_kinematics.core.calibration.recorded_rows import latest_rows
+from diffdrive_kinematics.core.kinematics import Array
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
-
-Array = NDArray[np.float64]
+from numpy.typing import ArrayLike
 
 FROZEN_TRAVEL = 0.05
 """Travel of the wheels [m] from which a pose that stays the same is none."""

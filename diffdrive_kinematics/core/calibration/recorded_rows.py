@@ -16,10 +16,9 @@
 
 from typing import Tuple
 
+from diffdrive_kinematics.core.kinematics import Array
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
-
-Array = NDArray[np.float64]
+from numpy.typing import ArrayLike
 
 
 def latest_rows(

@@ -29,11 +29,8 @@ from diffdrive_kinematics.core.calibration.response_fit import (
 from diffdrive_kinematics.core.calibration.response_forms import FORMS
 from diffdrive_kinematics.core.calibration.trajectory_windows import Windows
 from diffdrive_kinematics.core.commands import CommandResponse
-from diffdrive_kinematics.core.kinematics import WheelGeometry
+from diffdrive_kinematics.core.kinematics import Array, WheelGeometry
 import numpy as np
-from numpy.typing import NDArray
-
-Array = NDArray[np.float64]
 
 PARTS, LEAST_S = 4, 80.0
 PREDICTED = Windows((10.0,), every=2.5)

@@ -19,12 +19,11 @@ from dataclasses import replace
 from diffdrive_kinematics.core.calibration.recorded_drive import RecordedDrive
 from diffdrive_kinematics.core.commands import CommandResponse
 from diffdrive_kinematics.core.kinematics import (
-    twist_from_wheel_rates, wheel_rates_from_twist, WheelGeometry)
+    Array, twist_from_wheel_rates, wheel_rates_from_twist, WheelGeometry)
 from diffdrive_kinematics.core.noise import rotations
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
 SAME, LONGEST_S = 1e-9, 0.25

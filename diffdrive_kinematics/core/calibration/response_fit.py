@@ -34,12 +34,9 @@ from diffdrive_kinematics.core.calibration.robust_fit import robust_fit
 from diffdrive_kinematics.core.calibration.trajectory_windows import (
     COMMANDED, Windows, windows_between, WindowSet)
 from diffdrive_kinematics.core.commands import CommandResponse
-from diffdrive_kinematics.core.kinematics import WheelGeometry, wrap_angle
+from diffdrive_kinematics.core.kinematics import Array, WheelGeometry, wrap_angle
 from diffdrive_kinematics.core.noise import rotations
 import numpy as np
-from numpy.typing import NDArray
-
-Array = NDArray[np.float64]
 
 AS_GIVEN, LEAST_WINDOWS = CalibrationParameters(), 3
 DELAY_S = 0.2  # where the search starts

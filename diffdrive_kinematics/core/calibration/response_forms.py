@@ -20,11 +20,8 @@ from typing import Callable, Sequence, Tuple
 from diffdrive_kinematics.core.calibration.recorded_drive import RecordedDrive
 from diffdrive_kinematics.core.calibration.response_drive import commands_of
 from diffdrive_kinematics.core.commands import CommandResponse
-from diffdrive_kinematics.core.kinematics import WheelGeometry
+from diffdrive_kinematics.core.kinematics import Array, WheelGeometry
 import numpy as np
-from numpy.typing import NDArray
-
-Array = NDArray[np.float64]
 
 FORMS = (
     'gains', 'turn loss', 'turn loss in proportion', 'turn loss, straights apart', 'table')

@@ -16,10 +16,8 @@
 
 from typing import Callable
 
+from diffdrive_kinematics.core.kinematics import Array
 import numpy as np
-from numpy.typing import NDArray
-
-Array = NDArray[np.float64]
 
 STEP, SMALL, ROUNDS = 1e-6, 1e-5, 40
 FAR, MEDIAN = 6.0, (0.6745, 1.1774)  # medians of |e| / sigma in one and in two dimensions

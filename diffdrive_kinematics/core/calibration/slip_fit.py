@@ -32,11 +32,10 @@ from diffdrive_kinematics.core.calibration.slip_window import SlipWindow
 from diffdrive_kinematics.core.calibration.variance_components import (
     Components, fit_components)
 from diffdrive_kinematics.core.calibration.window_variances import least_noise
+from diffdrive_kinematics.core.kinematics import Array
 from diffdrive_kinematics.core.noise import BodySlip, NO_BODY_SLIP
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
-
-Array = NDArray[np.float64]
+from numpy.typing import ArrayLike
 
 FEWEST_WINDOWS = 5
 FINEST = 1e-8

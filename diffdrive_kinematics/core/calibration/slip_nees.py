@@ -21,11 +21,8 @@ from diffdrive_kinematics.core.calibration.slip_stack import (
     noise_covariance, slip_covariance, stacked_windows)
 from diffdrive_kinematics.core.calibration.slip_window import SlipWindow
 from diffdrive_kinematics.core.calibration.variance_components import likelihood
+from diffdrive_kinematics.core.kinematics import Array
 from diffdrive_kinematics.core.noise import BodySlip, NO_BODY_SLIP
-import numpy as np
-from numpy.typing import NDArray
-
-Array = NDArray[np.float64]
 
 
 def nees_per_dof(

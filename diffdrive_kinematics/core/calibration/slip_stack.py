@@ -18,12 +18,9 @@ from typing import List, Sequence
 
 from diffdrive_kinematics.core.calibration.slip_result import ReferenceNoise
 from diffdrive_kinematics.core.calibration.slip_window import SlipWindow
-from diffdrive_kinematics.core.kinematics import check_non_negative
+from diffdrive_kinematics.core.kinematics import Array, check_non_negative
 from diffdrive_kinematics.core.noise import BodySlip
 import numpy as np
-from numpy.typing import NDArray
-
-Array = NDArray[np.float64]
 
 BODY_TERMS = ('linear', 'turn', 'heading')
 SLIP_TERMS = ('wheels', *BODY_TERMS)

@@ -29,12 +29,10 @@ its twist.  Both ends carry it: ``N_p = diag(2, 2, 0)``, and ``N_h = j j^T + dia
 
 from dataclasses import dataclass
 
-from diffdrive_kinematics.core.kinematics import between, Pose, WheelGeometry, wrap_angle
+from diffdrive_kinematics.core.kinematics import Array, between, Pose, WheelGeometry, wrap_angle
 from diffdrive_kinematics.core.noise import body_covariance_along, covariance_along
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
-
-Array = NDArray[np.float64]
+from numpy.typing import ArrayLike
 
 NO_TWISTS = ((0.0, 0.0), (0.0, 0.0))
 

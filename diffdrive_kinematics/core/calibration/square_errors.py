@@ -42,10 +42,7 @@ from typing import NamedTuple, Tuple
 
 from diffdrive_kinematics.core.calibration.estimate import Estimate
 from diffdrive_kinematics.core.commands import QUARTER
-import numpy as np
-from numpy.typing import NDArray
-
-Array = NDArray[np.float64]
+from diffdrive_kinematics.core.kinematics import Array
 
 LARGEST_ANGLE = 0.3
 """Of alpha and beta [rad]: the first-order formulas say nothing beyond."""
@@ -107,6 +104,7 @@ def angles_of_runs(
     --------
     A robot that turns too little, seen from both sides:
 
+    >>> import numpy as np
     >>> angles = angles_of_runs(
     ...     4.0, 0.0, np.array(2 * [[-0.16, -0.16]]), np.array(2 * [[-0.16, 0.16]]))
     >>> round(angles.alpha.value, 6), abs(round(angles.beta.value, 6))

@@ -34,11 +34,8 @@ from diffdrive_kinematics.core.calibration.square_runs import ReturnError, Umbma
 from diffdrive_kinematics.core.calibration.student import student_quantile
 from diffdrive_kinematics.core.calibration.umbmark import reread, umbmark, with_ratios
 from diffdrive_kinematics.core.commands import square_course
-from diffdrive_kinematics.core.kinematics import Pose, pose_after, WheelGeometry
+from diffdrive_kinematics.core.kinematics import Array, Pose, pose_after, WheelGeometry
 import numpy as np
-from numpy.typing import NDArray
-
-Array = NDArray[np.float64]
 
 SHARE = 0.95
 """Confidence beyond which a correction counts as one."""

@@ -28,12 +28,9 @@ from typing import Sequence
 from diffdrive_kinematics.core.calibration.estimate import Estimate
 from diffdrive_kinematics.core.calibration.square_runs import ReturnError
 from diffdrive_kinematics.core.commands import square_course
-from diffdrive_kinematics.core.kinematics import Pose, WheelGeometry
+from diffdrive_kinematics.core.kinematics import Array, Pose, WheelGeometry
 from diffdrive_kinematics.core.noise import NO_COVARIANCE, propagated_covariance, travel_of_command
 import numpy as np
-from numpy.typing import NDArray
-
-Array = NDArray[np.float64]
 
 
 def slip_from_squares(

@@ -50,11 +50,8 @@ from diffdrive_kinematics.core.calibration.window_variances import (
     START_VARIANCES, updated_variances)
 from diffdrive_kinematics.core.calibration.window_weights import (
     MEDIAN, Variances, window_weights)
-from diffdrive_kinematics.core.kinematics import Pose, WheelGeometry
+from diffdrive_kinematics.core.kinematics import Array, Pose, WheelGeometry
 import numpy as np
-from numpy.typing import NDArray
-
-Array = NDArray[np.float64]
 
 COARSE, ALTERNATING = 5, 40
 """Rounds up to which the variances are only scaled, and from which they and weights are held."""

@@ -22,11 +22,7 @@ from diffdrive_kinematics.core.calibration.calibration_parameters import (
 from diffdrive_kinematics.core.calibration.estimate import Estimate
 from diffdrive_kinematics.core.calibration.gauss_newton import Iteration
 from diffdrive_kinematics.core.calibration.window_weights import Variances
-from diffdrive_kinematics.core.kinematics import Pose, WheelGeometry
-import numpy as np
-from numpy.typing import NDArray
-
-Array = NDArray[np.float64]
+from diffdrive_kinematics.core.kinematics import Array, Pose, WheelGeometry
 
 
 class Residual(NamedTuple):
@@ -91,6 +87,7 @@ class TrajectoryFit:
     --------
     The wheels are 0.51 m apart instead of 0.5 m, and the reference is at the robot's centre:
 
+    >>> import numpy as np
     >>> from diffdrive_kinematics.core.calibration import (
     ...     CalibrationParameters, Clock, drive_from_rates, fit_trajectory, NO_FRAME, odometry_at)
     >>> geometry, stamps = WheelGeometry(0.5, 0.125), np.arange(0.0, 60.0, 0.5)

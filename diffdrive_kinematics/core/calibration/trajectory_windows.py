@@ -24,11 +24,10 @@ import math
 from typing import NamedTuple, Sequence, Tuple
 
 from diffdrive_kinematics.core.calibration.recorded_drive import RecordedDrive
-from diffdrive_kinematics.core.kinematics import check_positive
+from diffdrive_kinematics.core.kinematics import Array, check_positive
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
 

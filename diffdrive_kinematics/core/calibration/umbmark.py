@@ -30,12 +30,9 @@ from diffdrive_kinematics.core.calibration.square_errors import angles_of_runs, 
 from diffdrive_kinematics.core.calibration.square_runs import ReturnError, Umbmark
 from diffdrive_kinematics.core.commands import square_course
 from diffdrive_kinematics.core.kinematics import (
-    Command, is_sane, LARGEST, Pose, pose_after, twist_from_wheel_rates, wheel_rates_from_twist,
-    WheelGeometry)
+    Array, Command, is_sane, LARGEST, Pose, pose_after, twist_from_wheel_rates,
+    wheel_rates_from_twist, WheelGeometry)
 import numpy as np
-from numpy.typing import NDArray
-
-Array = NDArray[np.float64]
 
 FEWEST_RUNS = 2
 

@@ -21,10 +21,9 @@ J. Am. Stat. Assoc. 72(358), eqs. 2.3 to 2.6).
 
 from typing import Any, List, NamedTuple, Optional, Tuple
 
+from diffdrive_kinematics.core.kinematics import Array
 import numpy as np
 from numpy.typing import NDArray
-
-Array = NDArray[np.float64]
 
 DISTINCT = 1e-7  # least eigenvalue of the information's correlation that counts as identified
 VANISHED = 1e-7  # share of the errors below which a variance component is put to 0

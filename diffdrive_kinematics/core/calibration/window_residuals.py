@@ -33,12 +33,11 @@ from diffdrive_kinematics.core.calibration.drive_odometry import (
     calibrated_travel, Nodes, nodes_of, path_of, since_middle)
 from diffdrive_kinematics.core.calibration.recorded_drive import RecordedDrive
 from diffdrive_kinematics.core.calibration.trajectory_windows import WindowSet
-from diffdrive_kinematics.core.kinematics import WheelGeometry, wrap_angle
+from diffdrive_kinematics.core.kinematics import Array, WheelGeometry, wrap_angle
 from diffdrive_kinematics.core.noise import pose_jacobians, rotations
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
 

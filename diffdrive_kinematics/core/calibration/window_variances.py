@@ -25,10 +25,8 @@ from typing import Sequence
 
 from diffdrive_kinematics.core.calibration.window_residuals import WindowResiduals
 from diffdrive_kinematics.core.calibration.window_weights import Variances
+from diffdrive_kinematics.core.kinematics import Array
 import numpy as np
-from numpy.typing import NDArray
-
-Array = NDArray[np.float64]
 
 CREDIBLE = 4.0
 """Distance up to which a window tells variances."""

@@ -22,10 +22,8 @@ The covariance of a window's error is ``P = q_1 A_1 + q_2 N_p + q_3 N_h`` (see
 from typing import NamedTuple
 
 from diffdrive_kinematics.core.calibration.window_residuals import WindowResiduals
+from diffdrive_kinematics.core.kinematics import Array
 import numpy as np
-from numpy.typing import NDArray
-
-Array = NDArray[np.float64]
 
 REJECTED = 12.0
 """Distance from which a window counts nothing at all."""

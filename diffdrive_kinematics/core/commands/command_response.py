@@ -30,11 +30,9 @@ from typing import NamedTuple, Tuple
 
 from diffdrive_kinematics.core.commands.turn_loss import share_kept
 from diffdrive_kinematics.core.commands.wheel_command import STILL, Twist
-from diffdrive_kinematics.core.kinematics import check_duration, check_positive
+from diffdrive_kinematics.core.kinematics import Array, check_duration, check_positive
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
-
-Array = NDArray[np.float64]
+from numpy.typing import ArrayLike
 
 NO_SPEED, ACCURACY = 1e-300, 1e-12  # [m/s]
 

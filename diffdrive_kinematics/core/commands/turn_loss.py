@@ -14,10 +14,8 @@
 
 """How much of its speed a robot keeps in a curve."""
 
+from diffdrive_kinematics.core.kinematics import Array
 import numpy as np
-from numpy.typing import NDArray
-
-Array = NDArray[np.float64]
 
 LEAST_SHARE, ROUNDING = 0.1, 0.03
 """What is left of the speed in the tightest curves, and how round the corner before it is [1]."""

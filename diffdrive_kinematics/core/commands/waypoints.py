@@ -18,11 +18,8 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Sequence, Tuple
 
-from diffdrive_kinematics.core.kinematics import is_sane, Pose
+from diffdrive_kinematics.core.kinematics import Array, is_sane, Pose
 import numpy as np
-from numpy.typing import NDArray
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

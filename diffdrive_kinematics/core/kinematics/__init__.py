@@ -32,7 +32,7 @@ from diffdrive_kinematics.core.kinematics.integration import (
     euler, integrate_euler, integrate_runge_kutta, runge_kutta)
 from diffdrive_kinematics.core.kinematics.jacobians import inverse_jacobian, jacobian
 from diffdrive_kinematics.core.kinematics.pose import (
-    between, compose, inverse, Pose, pose_rate, Scalar)
+    Array, between, compose, inverse, Pose, pose_rate, Scalar)
 from diffdrive_kinematics.core.kinematics.ranges import check_duration, check_length, check_rate
 from diffdrive_kinematics.core.kinematics.sequence import (
     check_times, Command, pose_after, poses_along, retraced)
@@ -40,7 +40,7 @@ from diffdrive_kinematics.core.kinematics.turning import turning_centre, turning
 from diffdrive_kinematics.core.kinematics.units import NANOSECONDS
 
 __all__ = [
-    'Command', 'LARGEST', 'NANOSECONDS', 'Number', 'Pose', 'RunningSum', 'Scalar',
+    'Array', 'Command', 'LARGEST', 'NANOSECONDS', 'Number', 'Pose', 'RunningSum', 'Scalar',
     'WheelGeometry', 'advance', 'between', 'check_above', 'check_duration', 'check_finite',
     'check_length', 'check_non_negative', 'check_positive', 'check_rate', 'check_times',
     'compose', 'displacement', 'euler', 'integrate_euler', 'integrate_runge_kutta', 'inverse',

@@ -26,7 +26,8 @@ from diffdrive_kinematics.core.kinematics.angles import wrap_angle
 import numpy as np
 from numpy.typing import NDArray
 
-Scalar = Union[float, NDArray[np.float64]]
+Array = NDArray[np.float64]
+Scalar = Union[float, Array]
 
 
 class Pose(NamedTuple):

@@ -16,12 +16,11 @@
 
 import math
 
-from diffdrive_kinematics.core.kinematics import sinc
+from diffdrive_kinematics.core.kinematics import Array, sinc
 from diffdrive_kinematics.core.noise import outer_boundary
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
 Points = NDArray[np.complex128]
 Indices = NDArray[np.int64]
 

@@ -31,6 +31,7 @@ nearly moves along arcs on each piece, and what it strays from them is added as 
 
 from typing import NamedTuple, Sequence, Tuple
 
+from diffdrive_kinematics.core.kinematics import Array
 from diffdrive_kinematics.core.models.disturbance import Disturbance, Step
 from diffdrive_kinematics.core.models.mesh import swept, widened
 from diffdrive_kinematics.core.models.pieces import pieces_of
@@ -41,7 +42,6 @@ from diffdrive_kinematics.core.noise import area, perimeter, simplified
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
 Points = NDArray[np.complex128]
 
 LINES = 33

@@ -17,11 +17,8 @@
 import math
 from typing import Tuple
 
-from diffdrive_kinematics.core.kinematics import Number
+from diffdrive_kinematics.core.kinematics import Array, Number
 import numpy as np
-from numpy.typing import NDArray
-
-Array = NDArray[np.float64]
 
 
 def polynomial(coefficients: Tuple[float, ...], variable: Number) -> Number:

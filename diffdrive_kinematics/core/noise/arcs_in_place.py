@@ -16,15 +16,12 @@
 
 from typing import Tuple
 
-from diffdrive_kinematics.core.kinematics import WheelGeometry
+from diffdrive_kinematics.core.kinematics import Array, WheelGeometry
 from diffdrive_kinematics.core.noise.columns import Columns
 from diffdrive_kinematics.core.noise.distributions import draw_unit
 from diffdrive_kinematics.core.noise.half_angles import fill_half_angles, fill_sincs
 from diffdrive_kinematics.core.noise.step_noise import StepNoise
 import numpy as np
-from numpy.typing import NDArray
-
-Array = NDArray[np.float64]
 
 
 def move_chunk(

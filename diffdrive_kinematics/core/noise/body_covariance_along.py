@@ -20,13 +20,10 @@ As :mod:`.covariance_along`, to first order: linear in the constants, which is w
 
 from typing import Tuple
 
-from diffdrive_kinematics.core.kinematics import WheelGeometry
+from diffdrive_kinematics.core.kinematics import Array, WheelGeometry
 from diffdrive_kinematics.core.noise.arc_means import arc_means_of_all
 from diffdrive_kinematics.core.noise.path_arcs import arcs_along
 import numpy as np
-from numpy.typing import NDArray
-
-Array = NDArray[np.float64]
 
 
 def body_covariance_along(geometry: WheelGeometry, travel: Array) -> Array:

@@ -16,11 +16,8 @@
 
 from typing import NamedTuple, Tuple
 
-from diffdrive_kinematics.core.kinematics import Pose, Scalar
+from diffdrive_kinematics.core.kinematics import Array, Pose, Scalar
 import numpy as np
-from numpy.typing import NDArray
-
-Array = NDArray[np.float64]
 
 
 class Columns(NamedTuple):

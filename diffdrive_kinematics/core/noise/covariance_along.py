@@ -21,13 +21,10 @@ each arc's part is swung by all the motion that is left, and the parts are added
 
 from typing import Tuple
 
-from diffdrive_kinematics.core.kinematics import Pose, WheelGeometry
+from diffdrive_kinematics.core.kinematics import Array, Pose, WheelGeometry
 from diffdrive_kinematics.core.noise.arc_means import arc_means_of_all
 from diffdrive_kinematics.core.noise.path_arcs import arcs_along
 import numpy as np
-from numpy.typing import NDArray
-
-Array = NDArray[np.float64]
 
 
 def covariance_along(geometry: WheelGeometry, travel: Array) -> Tuple[Pose, Array]:

@@ -22,10 +22,8 @@ while whether its sin, cos and tan are, and what their last bits are, differs be
 import math
 from typing import Sequence
 
+from diffdrive_kinematics.core.kinematics import Array
 import numpy as np
-from numpy.typing import NDArray
-
-Array = NDArray[np.float64]
 
 TURN, TURN_REST = 6.2831853069365025, 2.430840202602477e-10
 """2 pi in two parts (Cody & Waite 1980): the first of 33 bits, so that its multiples are exact."""

@@ -16,10 +16,8 @@
 
 from typing import Tuple
 
+from diffdrive_kinematics.core.kinematics import Array
 import numpy as np
-from numpy.typing import NDArray
-
-Array = NDArray[np.float64]
 
 
 def rotations(angle: Array) -> Array:

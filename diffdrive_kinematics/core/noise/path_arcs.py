@@ -16,12 +16,10 @@
 
 from typing import NamedTuple, Tuple
 
-from diffdrive_kinematics.core.kinematics import pose_change_from_travel, sinc, WheelGeometry
+from diffdrive_kinematics.core.kinematics import (
+    Array, pose_change_from_travel, sinc, WheelGeometry)
 from diffdrive_kinematics.core.noise.matrices import gathered
 import numpy as np
-from numpy.typing import NDArray
-
-Array = NDArray[np.float64]
 
 
 class ArcsAlong(NamedTuple):

@@ -17,16 +17,13 @@
 import math
 from typing import NamedTuple, Optional, Sequence, Tuple
 
-from diffdrive_kinematics.core.kinematics import check_finite, Command, Pose, WheelGeometry
+from diffdrive_kinematics.core.kinematics import Array, check_finite, Command, Pose, WheelGeometry
 from diffdrive_kinematics.core.noise.body_slip import BodySlip, NO_BODY_SLIP
 from diffdrive_kinematics.core.noise.noise import WheelSlip
 from diffdrive_kinematics.core.noise.projection import propagate
 from diffdrive_kinematics.core.noise.reachable import reachable_set_from_slip
 from diffdrive_kinematics.core.noise.step_noise import travel_of_command
 import numpy as np
-from numpy.typing import NDArray
-
-Array = NDArray[np.float64]
 
 
 class Projected(NamedTuple):

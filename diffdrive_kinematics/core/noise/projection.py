@@ -29,7 +29,8 @@ from concurrent.futures import ThreadPoolExecutor
 import math
 from typing import Optional, Sequence, Tuple, Union
 
-from diffdrive_kinematics.core.kinematics import check_finite, Command, Pose, Scalar, WheelGeometry
+from diffdrive_kinematics.core.kinematics import (
+    Array, check_finite, Command, Pose, Scalar, WheelGeometry)
 from diffdrive_kinematics.core.noise.arcs_in_place import move_chunk
 from diffdrive_kinematics.core.noise.body_slip import BodySlip, NO_BODY_SLIP
 from diffdrive_kinematics.core.noise.columns import (
@@ -39,9 +40,7 @@ from diffdrive_kinematics.core.noise.session_errors import (
     draw_session, NO_SESSION, session_generator, SessionSpread, travel_in_session)
 from diffdrive_kinematics.core.noise.step_noise import step_noise, travel_of_command
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
 Seed = Union[int, Sequence[int]]
 
 ROWS = 16384

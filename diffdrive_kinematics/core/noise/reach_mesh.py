@@ -17,12 +17,12 @@
 import math
 from typing import Tuple
 
-from diffdrive_kinematics.core.kinematics import pose_change_from_travel, sinc, WheelGeometry
+from diffdrive_kinematics.core.kinematics import (
+    Array, pose_change_from_travel, sinc, WheelGeometry)
 from diffdrive_kinematics.core.noise.stage import Stage
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
 Points = NDArray[np.complex128]
 Pairs = NDArray[np.int64]
 

@@ -42,7 +42,7 @@ import math
 from typing import Sequence, Tuple, Union
 
 from diffdrive_kinematics.core.kinematics import (
-    check_finite, check_non_negative, Pose, WheelGeometry)
+    Array, check_finite, check_non_negative, Pose, WheelGeometry)
 from diffdrive_kinematics.core.noise.body_slip import BodySlip, NO_BODY_SLIP
 from diffdrive_kinematics.core.noise.noise import WheelSlip
 from diffdrive_kinematics.core.noise.outline import outer_boundary
@@ -53,7 +53,6 @@ from diffdrive_kinematics.core.noise.stage import Stage, stage_from_slip, with_p
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
 Points = NDArray[np.complex128]
 Pairs = NDArray[np.int64]
 Bounds = Union[float, Sequence[float]]

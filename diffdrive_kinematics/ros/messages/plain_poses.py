@@ -17,18 +17,14 @@
 from collections import deque
 from typing import Deque, List
 
-from diffdrive_kinematics.core.kinematics import Pose
+from diffdrive_kinematics.core.kinematics import Array, Pose
 from diffdrive_kinematics.ros.messages.plain import header_of, pose_message
 from geometry_msgs.msg import (
     Point32, PolygonStamped, Pose as PoseMessage, PoseArray, PoseStamped)
 from nav_msgs.msg import Path
-import numpy as np
-from numpy.typing import NDArray
 from std_msgs.msg import Header
 
 __all__ = ['PathCodec', 'encode_polygon', 'encode_poses']
-
-Array = NDArray[np.float64]
 
 
 class PathCodec:

@@ -21,7 +21,7 @@ A message object of 1000 poses costs milliseconds each time that it is published
 
 import struct
 
-from diffdrive_kinematics.core.kinematics import NANOSECONDS, Pose
+from diffdrive_kinematics.core.kinematics import Array, NANOSECONDS, Pose
 from diffdrive_kinematics.ros.messages.cdr import HEADER, stamped_sequence
 from diffdrive_kinematics.ros.messages.messages import quaternion_of
 import numpy as np
@@ -29,8 +29,6 @@ from numpy.typing import NDArray
 from std_msgs.msg import Header
 
 __all__ = ['PathCodec', 'encode_polygon', 'encode_poses']
-
-Array = NDArray[np.float64]
 
 
 class PathCodec:
