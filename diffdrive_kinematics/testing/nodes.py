@@ -29,7 +29,7 @@ from diffdrive_kinematics.testing.messages import RecordedMessages
 import rclpy
 from rclpy.signals import SignalHandlerOptions
 
-__all__ = ['RobotNodes', 'State', 'topic_of']
+__all__ = ['BASES', 'RobotNodes', 'State', 'topic_of']
 
 BASES = 'simulated_base', 'wheel_odometry'
 RANGE = 'ROS_AUTOMATIC_DISCOVERY_RANGE'

@@ -21,7 +21,7 @@ from typing import Any, Callable, List, Mapping, Optional, Sequence, Union
 from diffdrive_kinematics.testing.composition import composition
 from diffdrive_kinematics.testing.guardian import Guardian
 from diffdrive_kinematics.testing.messages import Recorded
-from diffdrive_kinematics.testing.nodes import RobotNodes, State, topic_of
+from diffdrive_kinematics.testing.nodes import BASES, RobotNodes, State, topic_of
 from diffdrive_kinematics.testing.processes import environment_of, Process
 from diffdrive_kinematics.testing.stepping import Stepping
 from geometry_msgs.msg import Twist, TwistStamped
@@ -183,8 +183,9 @@ class Robot:
             self.advance(step, **options)
             if condition():
                 return
+        odom = self.odom if self._nodes.of(*BASES) else 'not there'
         raise AssertionError(
-            f'not within {timeout} simulated seconds; odom is {self.odom}\n' + '\n'.join(
+            f'not within {timeout} simulated seconds; odom is {odom}\n' + '\n'.join(
                 process.describe('runs') for process in self._processes))
 
     def start_process(

@@ -122,6 +122,12 @@ def test_two_sections_may_share_a_list(diffdrive):
     assert robot.odom.speed == pytest.approx(0.1)
 
 
+def test_a_robot_without_a_base_says_what_did_not_come(diffdrive):
+    robot = diffdrive({'/**': {'nodes': ['diff_drive_controller']}}, params=ROBOT)
+    with pytest.raises(AssertionError, match='not within 0.1 simulated seconds'):
+        robot.advance_until(lambda: False, timeout=0.1)
+
+
 def test_a_process_that_dies_is_reported_by_name_with_its_output(diffdrive, files):
     path = files / 'dies.py'
     path.write_text((files / 'my_planner.py').read_text().replace(
