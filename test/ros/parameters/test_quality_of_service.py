@@ -13,13 +13,17 @@
 # limitations under the License.
 """Quality of service that the YAML overrides: for every topic, in every node, or refused."""
 
+from diffdrive_kinematics.nodes.diff_drive_controller import DiffDriveController
+from diffdrive_kinematics.nodes.diffdrive_sim import DiffDriveSim
+from diffdrive_kinematics.ros.parameters.configuration_error import ConfigurationError
 from geometry_msgs.msg import Twist
 from nav_msgs.msg import Odometry
 import pytest
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Empty
-from support.graph import JOINTS, KHEPERA, set_stamp, twist
+from support.graph import arguments, CONFIG, JOINTS, KHEPERA, set_stamp, twist
+from support.inside import initialised
 
 BEST_EFFORT = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
 CONTROLLER = 'diff_drive_controller'
@@ -105,23 +109,25 @@ def test_a_base_hears_a_best_effort_driver_where_the_yaml_says_so(graph, tmp_pat
     ('qos_overrides.wheel_rates.publisher.depth', 1, 'the resolved name'),
     (override('odom', 'publisher', 'durability'), 'transient', 'transient_local'),
 ])
-def test_a_bad_override_is_refused_by_name_value_and_rule(graph, name, value, words):
-    controller = graph.start(CONTROLLER, {**KHEPERA, name: value})
-    assert controller.wait() == 2
-    assert 'refuses to start' in controller.output and 'Traceback' not in controller.output
-    assert name in controller.output and words in controller.output
+@pytest.mark.ros
+def test_a_bad_override_is_refused_by_name_value_and_rule(name, value, words):
+    with initialised({**KHEPERA, name: value}), pytest.raises(ConfigurationError) as refused:
+        DiffDriveController()
+    assert 'refuses to start' in str(refused.value)
+    assert name in str(refused.value) and words in str(refused.value)
 
 
 @pytest.mark.parametrize('end, policy, value', [
     ('publisher', 'reliability', 'best_effort'), ('subscription', 'reliability', 'best_effort'),
     ('publisher', 'depth', 1), ('publisher', 'lifespan', 1),
     ('subscription', 'durability', 'transient_local'), ('subscription', 'deadline', 1)])
-def test_fast_mode_refuses_what_could_lose_a_message(graph, end, policy, value):
+@pytest.mark.ros
+def test_fast_mode_refuses_what_could_lose_a_message(end, policy, value):
     name = override('wheel_rates', end, policy)
-    sim = graph.start('diffdrive_sim', {'real_time_factor': 0.0, name: value})
-    assert sim.wait() == 2
-    assert f'{name} is {value!r}, expected none while the time is stepped' in sim.output
-    assert 'Traceback' not in sim.output
+    demo = arguments({name: value}, '--params-file', str(CONFIG / 'demo.yaml'))
+    with initialised(args=demo), pytest.raises(ConfigurationError) as refused:
+        DiffDriveSim()
+    assert f'{name} is {value!r}, expected none while the time is stepped' in str(refused.value)
 
 
 def test_fast_mode_takes_overrides_that_lose_nothing(graph):
