@@ -23,6 +23,7 @@ from builtin_interfaces.msg import Time
 from diffdrive_kinematics.core.kinematics import (
     advance, Pose, twist_from_wheel_rates, WheelGeometry)
 from diffdrive_kinematics.core.odometry import WheelSample
+from diffdrive_kinematics.nodes.calibrate import work
 from diffdrive_kinematics.ros.parameters.package_share import share_directory
 from diffdrive_kinematics.tools.collection import Collection
 from geometry_msgs.msg import Pose as PoseMsg
@@ -35,6 +36,7 @@ from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState
 from std_srvs.srv import Trigger
 from support.graph import KHEPERA, set_stamp
+from support.inside import status_of
 from support.recorded import RADIUS, RUNS, SEPARATION, TICKS_PER_TURN
 
 SIDE = 12.0 * KHEPERA['wheel_separation']
@@ -145,36 +147,44 @@ def test_the_shipped_squares_are_calibrated_to_the_robot_that_they_ship_with(gra
     ('1,0.1,0,0,0\n' * 2 + '0,nan,0,0,0\n' * 2, 'nan'),
     ('1,0.1,x,0,0\n', 'row 1'), ('2,0.1,0.0,0,0\n', 'clockwise is 2.0'), ('', 'no rows'),
     ('1,9,9,0,0\n' * 2 + '0,9,9,0,0\n' * 2, 'too large')])
-def test_runs_that_allow_no_calibration_are_one_line_and_status_2(graph, tmp_path, rows, words):
+@pytest.mark.ros
+def test_runs_that_allow_no_calibration_are_one_line_and_status_2(refused, tmp_path, rows, words):
     runs = tmp_path / 'runs.csv'
     runs.write_text(HEADER + rows)
-    refused(graph, tmp_path, words, f'square_runs:={runs}', 'square_side:=1.0')
+    refused(words, f'square_runs:={runs}', 'square_side:=1.0')
 
 
-def refused(graph, directory, words, *settings):
-    """Start ``calibrate``, and see it refuse in one line and write nothing."""
-    before = sorted(directory.iterdir())
-    output = [] if any(each.startswith('output:=') for each in settings) else [
-        f'output:={directory / "found.yaml"}']
-    calibrate = graph.start('calibrate', args=[
-        *GEOMETRY, *(part for each in (*settings, *output) for part in ('-p', each))])
-    assert calibrate.wait() == 2, calibrate.output
-    assert words in calibrate.output, calibrate.output
-    assert len(calibrate.output.strip().splitlines()) == 1, calibrate.output
-    assert sorted(directory.iterdir()) == before
+@pytest.fixture
+def refused(capfd, monkeypatch, tmp_path):
+    """Return what sees ``calibrate`` refuse settings in one line, and write nothing."""
+    monkeypatch.setenv('RCUTILS_COLORIZED_OUTPUT', '0')
+
+    def see(words, *settings):
+        before = sorted(tmp_path.iterdir())
+        output = [] if any(each.startswith('output:=') for each in settings) else [
+            f'output:={tmp_path / "found.yaml"}']
+        capfd.readouterr()
+        status = status_of(work, [
+            *GEOMETRY, *(part for each in (*settings, *output) for part in ('-p', each))])
+        said = ''.join(capfd.readouterr())
+        assert status == 2 and words in said, said
+        assert len(said.strip().splitlines()) == 1, said
+        assert sorted(tmp_path.iterdir()) == before
+
+    return see
 
 
-def test_a_file_that_exists_and_a_directory_that_does_not_are_refused(graph, tmp_path):
+def test_a_file_that_exists_and_a_directory_that_does_not_are_refused(refused, graph, tmp_path):
     runs = tmp_path / 'runs.csv'
     runs.write_text('clockwise, true_x, true_y, odom_x, odom_y\n'  # as people type it
                     + '1, -0.03, -0.03, 0, 0\n' * 2 + '0, -0.01, 0.01, 0, 0\n' * 2)
     square = f'square_runs:={runs}', 'square_side:=1.0'
-    refused(graph, tmp_path, 'which exists', *square, f'output:={runs}')
-    refused(graph, tmp_path, 'directory', *square, f'output:={tmp_path / "no" / "found.yaml"}')
-    refused(graph, tmp_path, 'directory', *square, f'output:={runs / "found.yaml"}')
-    refused(graph, tmp_path, 'directory', *square, f'output:={tmp_path}')
-    refused(graph, tmp_path, 'picture is', *square, f'picture:={tmp_path / "no" / "found.png"}')
-    refused(graph, tmp_path, 'another file than output', *square, *(
+    refused('which exists', *square, f'output:={runs}')
+    refused('directory', *square, f'output:={tmp_path / "no" / "found.yaml"}')
+    refused('directory', *square, f'output:={runs / "found.yaml"}')
+    refused('directory', *square, f'output:={tmp_path}')
+    refused('picture is', *square, f'picture:={tmp_path / "no" / "found.png"}')
+    refused('another file than output', *square, *(
         f'{name}:={tmp_path / "found.png"}' for name in ('output', 'picture')))
     assert runs.read_text().startswith('clockwise')
     calibrate = graph.start('calibrate', args=[
@@ -441,9 +451,10 @@ HEADER_OF_POSITIONS = 'time_sec,left_position,right_position'
     ('time_sec,left_ticks,right_ticks', STRAIGHT, BESIDE, 'encoder_resolution'),
     ('time_sec,speed', [(0.0, 1.0)], BESIDE, 'one kind of motion')],
     ids=['straight', 'unsorted', 'nan', 'inf', 'empty', 'nothing', 'no_poses', 'ticks', 'columns'])
+@pytest.mark.ros
 def test_drives_that_allow_no_calibration_are_one_line_and_status_2(
-        graph, tmp_path, header, rows, poses, words):
-    refused(graph, tmp_path, words, *files_of(tmp_path, header, rows, poses))
+        refused, tmp_path, header, rows, poses, words):
+    refused(words, *files_of(tmp_path, header, rows, poses))
 
 
 def test_a_recorded_robot_is_calibrated_and_its_picture_drawn(graph, tmp_path):

@@ -20,9 +20,12 @@ calls their subscriptions back itself, so a message costs microseconds and its o
 """
 
 from contextlib import contextmanager
+import os
+import signal
 
 from diffdrive_kinematics.ros.runtime.clocks import SteppedClock
 from diffdrive_kinematics.ros.runtime.in_flight_messages import InFlightMessages
+from diffdrive_kinematics.ros.runtime.running import run
 import rclpy
 from rclpy.logging import LoggingSeverity
 from rclpy.serialization import serialize_message
@@ -98,3 +101,19 @@ def inside(make, parameters=None, *, name=None, args=None, quiet=False):
         finally:
             logger.set_level(LoggingSeverity.UNSET)  # else it is that of all nodes of the name
             held.node.destroy_node()
+
+
+def status_of(work, args):
+    """Do the work of an executable in a domain of its own; return its exit status."""
+    handlers = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
+    before = os.environ.get('ROS_DOMAIN_ID')
+    try:
+        with own_domain() as domain:
+            os.environ['ROS_DOMAIN_ID'] = str(domain)
+            return run(work, args)
+    finally:
+        os.environ.pop('ROS_DOMAIN_ID')
+        if before is not None:
+            os.environ['ROS_DOMAIN_ID'] = before
+        for number, handler in handlers.items():
+            signal.signal(number, handler)
