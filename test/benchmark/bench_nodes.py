@@ -140,8 +140,9 @@ def percentile(values, part):
 class Subject:
     """What is measured: argv, its odometry topics and their rate, and another source tree."""
 
-    def __init__(self, argv, rate=100, topics=('odom',), tree=None, relays=False):
+    def __init__(self, argv, rate=100, topics=('odom',), tree=None, relays=False, drives=False):
         self.argv, self.rate, self.topics = argv, rate, topics
+        self.drives = drives  # its own controller says the wheel rates
         self.relays = relays  # whatever comes on wheel_rates answers a command
         self.tree = tree
         self.environment = {} if tree is None else {'PYTHONPATH': str(tree)}
@@ -162,7 +163,7 @@ class Run:
         self.arrivals, self.stamps = dict.fromkeys(subject.topics, 0), []
         prefixes = sorted({topic.rpartition('odom')[0] for topic in subject.topics})
         self.wheels = [self.node.create_publisher(JointState, f'{prefix}wheel_rates', 10)
-                       for prefix in prefixes] if subject.topics else []
+                       for prefix in prefixes] if not subject.drives else []
         self.commands = self.node.create_publisher(Twist, 'cmd_vel', 10)
         self.asked, self.latencies = {}, {'wheel_rates': [], 'odom': []}
         for topic in subject.topics:
@@ -334,9 +335,10 @@ def main():
     run('100 Hz', {
         'prebuilt': Subject([*prebuilt, '100']), 'flat': Subject([*flat, '100']),
         'base': Subject(base(100)),
-        'stack': Subject(stack(100)),
+        'stack': Subject(stack(100), drives=True),
         **{f'base, {name}': Subject(base(100), tree=tree) for name, tree in trees.items()},
-        **{f'stack, {name}': Subject(stack(100), tree=tree) for name, tree in trees.items()},
+        **{f'stack, {name}': Subject(stack(100), tree=tree, drives=True)
+           for name, tree in trees.items()},
         **{name: Subject(shlex.split(argv)) for name, argv in options.peer}}, 'prebuilt')
     if options.latency:
         run('answers', {
