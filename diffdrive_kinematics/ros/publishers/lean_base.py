@@ -110,7 +110,8 @@ class LeanBase:
         usual, odometry = self._reader.usual(data), self._odometry
         motion, anchor, wheels = odometry.motion, odometry.anchor, odometry.wheels
         if not usual or motion is None or not motion.holds or odometry.measured or (
-                anchor.session or self._send_joints and not self._encode_joints):
+                wheels.clock.apart or anchor.session
+                or self._send_joints and not self._encode_joints):
             return
         self._number, self._source, shape, self._rates_at, self._positions_at, self._gear = usual
         if motion.source != self._source or self._positions_at and not motion.counted:

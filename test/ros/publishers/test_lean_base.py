@@ -34,7 +34,7 @@ from support.inside import initialised
 
 pytestmark = pytest.mark.ros
 MS = 10**6
-SEEDS, EVENTS = 3, 400
+SEEDS, EVENTS = 6, 400
 SLIP = {'left_slip_variance': 1e-4, 'right_slip_variance': 2e-4}
 SETTINGS = {
     'certain': {}, 'slipping': SLIP, 'without timeout': {'command_timeout': 0.0, **SLIP},
@@ -99,6 +99,7 @@ class Publisher:
         self.with_positions = draw.random() < (0.7 if '#' in self.source else 0.2)
         self.rates, self.angles, self.last_ns = [0.0, 0.0], [0.0, 0.0], time.wall_ns
         self._names, self.noise = JOINTS, 0.0
+        self.offset_ns = draw.choice([0] * 9 + [-3000 * MS, -300 * MS, 300 * MS, 3000 * MS])
 
     def change(self):
         self.rates = self._draw.choice([
@@ -119,7 +120,7 @@ class Publisher:
         if self.with_positions:
             message.position = list(self.angles)
         stamps = {'old': -400 * MS, 'late': -30 * MS, 'older': -3000 * MS, 'future': 3000 * MS}
-        set_stamp(message, stamp_ns + stamps.get(fault, 0))
+        set_stamp(message, stamp_ns + self.offset_ns + stamps.get(fault, 0))
         if fault in ('nan', 'huge', 'inf', 'fast'):
             values = draw.choice([message.velocity, message.position or message.velocity])
             values[draw.randrange(2)] = {
