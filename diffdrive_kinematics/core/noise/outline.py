@@ -21,7 +21,7 @@ closed.
 
 from typing import List, Tuple
 
-from diffdrive_kinematics.core.noise.polygons import segment_distances
+from diffdrive_kinematics.core.noise.polygons import ranges, segment_distances
 import numpy as np
 from numpy.typing import NDArray
 
@@ -76,7 +76,9 @@ def outer_boundary(points: Points, segments: Pairs) -> Points:
     used, flat = np.unique(_snapped(points, size)[segments], return_inverse=True)
     representative = np.zeros(len(used), np.complex128)
     representative[flat.reshape(-1)] = points[segments].reshape(-1)
-    pairs = np.unique(np.sort(flat.reshape(-1, 2), axis=1), axis=0)
+    ends = np.sort(flat.reshape(-1, 2), axis=1)
+    numbers = np.unique(ends[:, 0] * len(used) + ends[:, 1])
+    pairs = np.stack(np.divmod(numbers, len(used)), axis=1)
     pairs = pairs[pairs[:, 0] != pairs[:, 1]]
     for attempt in range(ATTEMPTS):
         generator = np.random.default_rng(attempt)
@@ -92,8 +94,7 @@ def outer_boundary(points: Points, segments: Pairs) -> Points:
 def _snapped(points: Points, size: float) -> Pairs:
     """Return a number for each point, equal for points that are equal but for rounding."""
     grid = np.round((points - points[0]) / (1e-12 * size))
-    keys = np.stack([grid.real, grid.imag], axis=1).astype(np.int64)
-    return np.asarray(np.unique(keys, axis=0, return_inverse=True)[1]).reshape(-1)
+    return np.asarray(np.unique(grid, return_inverse=True)[1]).reshape(-1)
 
 
 def _cross(a: Points, b: Points) -> Vector:
@@ -144,11 +145,13 @@ def _walked(points: Points, pieces: Pairs, directions: Vector) -> Points:
 def _encloses(polygon: Points, points: Points, tolerance: float) -> bool:
     """Tell whether the points are inside of the polygon, or as near to it as ``tolerance``."""
     begin, end = polygon, np.roll(polygon, -1)
-    x, y = points.real[:, None], points.imag[:, None]
-    over = (begin.imag > y) != (end.imag > y)
-    rise = np.where(end.imag == begin.imag, 1.0, end.imag - begin.imag)
-    at = begin.real + (y - begin.imag) * (end.real - begin.real) / rise
-    inside = np.count_nonzero(over & (at > x), axis=1) % 2 == 1
+    order = np.argsort(points.imag)
+    low, high = np.searchsorted(points.imag[order], np.sort([begin.imag, end.imag], axis=0))
+    edge, place = ranges(low, high)
+    point, rise = order[place], (end - begin)[edge]
+    slope = rise.real / rise.imag  # not 0 where a point is between the ends
+    right = begin.real[edge] + (points.imag[point] - begin.imag[edge]) * slope > points.real[point]
+    inside = np.bincount(point[right], minlength=len(points)) % 2 == 1
     strays = points[~inside]
     strays = strays[~np.isin(strays, polygon)]
     return all(
@@ -160,14 +163,15 @@ def _crossings(points: Points, pairs: Pairs) -> Tuple[Pairs, Pairs, Vector, Vect
     """Return (i, j, t, u): segment i at its fraction t crosses segment j at its fraction u."""
     begin, end = points[pairs[:, 0]], points[pairs[:, 1]]
     first, second = _near(begin, end)
-    p, r = begin[first], (end - begin)[first]
-    q, s = begin[second], (end - begin)[second]
-    joint = (pairs[first][:, :, None] == pairs[second][:, None, :]).any(axis=(1, 2))
-    cross = _cross(r, s)
-    usable = ~joint & (cross != 0.0)
-    cross = np.where(usable, cross, 1.0)
-    t, u = _cross(q - p, s) / cross, _cross(q - p, r) / cross
-    hit = usable & (t >= 0.0) & (t <= 1.0) & (u >= 0.0) & (u <= 1.0)
+    (a, b), (c, d) = pairs.T[:, first], pairs.T[:, second]
+    apart = (a != c) & (a != d) & (b != c) & (b != d)
+    first, second, along = first[apart], second[apart], end - begin
+    gap, r, s = begin[second] - begin[first], along[first], along[second]
+    cross, t = _cross(r, s), _cross(gap, s)
+    within = (cross != 0.0) & (t * cross >= 0.0) & (np.abs(t) <= np.abs(cross))
+    first, second, cross = first[within], second[within], cross[within]
+    t, u = t[within] / cross, _cross(gap[within], r[within]) / cross
+    hit = (u >= 0.0) & (u <= 1.0)
     return first[hit], second[hit], t[hit], u[hit]
 
 
@@ -175,14 +179,15 @@ def _near(begin: Points, end: Points) -> Tuple[Pairs, Pairs]:
     """
     Return (i, j), i < j, in order, of the segments whose boxes overlap.
 
-    In the order in which the boxes begin, those that overlap one follow it until it ends.
+    In the order in which the boxes begin, those that overlap one follow it until it ends: along x
+    or y, whichever leaves fewer to compare.
     """
-    low_x, high_x = np.minimum(begin.real, end.real), np.maximum(begin.real, end.real)
-    low_y, high_y = np.minimum(begin.imag, end.imag), np.maximum(begin.imag, end.imag)
-    order = np.argsort(low_x, kind='stable')
-    low_x, high_x, low_y, high_y = (
-        edge[order] for edge in (low_x, high_x, low_y, high_y))
-    after = np.searchsorted(low_x, high_x, side='right')
+    ends = np.stack([begin, end])
+    sides = [(part.min(axis=0), part.max(axis=0)) for part in (ends.real, ends.imag)]
+    after, order, across = min(
+        ((*_followers(*along), across) for along, across in zip(sides, sides[::-1])),
+        key=lambda found: int(found[0].sum()))
+    low_y, high_y = (edge[order] for edge in across)
     every = np.arange(len(order))
     found = []
     for start in range(0, len(order), BLOCK):
@@ -197,3 +202,9 @@ def _near(begin: Points, end: Points) -> Tuple[Pairs, Pairs]:
     one, other = (np.concatenate(ends) for ends in zip(*found))
     number = np.sort(np.minimum(one, other) * len(order) + np.maximum(one, other))
     return number // len(order), number % len(order)
+
+
+def _followers(low: Vector, high: Vector) -> Tuple[Pairs, Pairs]:
+    """Return up to where, in the order in which intervals begin, others begin within each."""
+    order = np.argsort(low, kind='stable')
+    return np.searchsorted(low[order], high[order], side='right'), order

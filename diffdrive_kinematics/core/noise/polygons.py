@@ -19,10 +19,13 @@ Points are complex numbers x + i y [m]; a polygon is an array of them, counter-c
 closed.
 """
 
+from typing import Tuple
+
 import numpy as np
 from numpy.typing import NDArray
 
 Points = NDArray[np.complex128]
+Pairs = NDArray[np.int64]
 Vector = NDArray[np.float64]
 
 
@@ -101,19 +104,48 @@ def simplified(polygon: Points, tolerance: float) -> Points:
     closed = np.append(polygon, polygon[0])
     keep = np.zeros(len(closed), bool)
     keep[[0, far]] = True
-    spans = [(0, far), (far, len(polygon))]
-    while spans:
-        begin, end = spans.pop()
-        if end - begin < 2:
-            continue
-        distance = segment_distances(
-            closed[begin + 1:end], closed[begin:begin + 1], closed[end:end + 1])
-        worst = int(np.argmax(distance))
-        if distance[worst] > tolerance:
-            middle = begin + 1 + worst
-            keep[middle] = True
-            spans += [(begin, middle), (middle, end)]
-    return polygon[keep[:-1]]
+    begin, end = np.array([0, far]), np.array([far, len(polygon)])
+    while True:
+        begin, end = (ends[end - begin > 1] for ends in (begin, end))
+        if not len(begin):
+            return polygon[keep[:-1]]
+        span, inner = ranges(begin + 1, end)
+        distance = segment_distances(closed[inner], closed[begin][span], closed[end][span])
+        first = np.flatnonzero(np.diff(span, prepend=-1))
+        largest = np.maximum.reduceat(distance, first)
+        candidates = np.flatnonzero(distance == largest[span])
+        worst = inner[candidates[np.unique(span[candidates], return_index=True)[1]]]
+        over = largest > tolerance
+        middle = worst[over]
+        keep[middle] = True
+        begin, end = np.append(begin[over], middle), np.append(middle, end[over])
+
+
+def ranges(low: Pairs, high: Pairs) -> Tuple[Pairs, Pairs]:
+    """
+    Return all integers of many ranges, and of which range each is.
+
+    Parameters
+    ----------
+    low, high : numpy.ndarray of int, shape (n,)
+        Ends of the ranges; ``high`` is not of it.
+
+    Returns
+    -------
+    which : numpy.ndarray of int, shape (k,)
+        Numbers of the ranges.
+    value : numpy.ndarray of int, shape (k,)
+        The integers.
+
+    Examples
+    --------
+    >>> [each.tolist() for each in ranges(np.array([5, 0]), np.array([7, 1]))]
+    [[0, 0, 1], [5, 6, 0]]
+
+    """
+    counts = high - low
+    which = np.repeat(np.arange(len(low)), counts)
+    return which, np.arange(len(which)) + (low - np.cumsum(counts) + counts)[which]
 
 
 def segment_distances(points: Points, begin: Points, end: Points) -> Vector:

@@ -98,39 +98,38 @@ def mesh_of(
 
     Examples
     --------
-    >>> from diffdrive_kinematics.core.noise.stage import Stage
     >>> mesh_of(np.zeros(1, complex), 0.1, Stage(1.0, 1.0, 0.0, 0.0, 0.0),
     ...         WheelGeometry(0.5, 0.125), np.zeros(1)).shape
     (8, 1)
 
     """
     distance, turn = pose_change_from_travel(geometry, stage.d_left, stage.d_right)
-    return np.stack([
-        slice_of(polygon, 0.5 * turn + node, _distances(stage, geometry, distance, node),
-                 stage.lateral_bound, margin) for node in nodes], axis=1)
+    return slices_of(
+        polygon, 0.5 * turn + nodes, _distances(stage, geometry, distance, nodes),
+        stage.lateral_bound, margin)
 
 
 def _distances(
-        stage: Stage, geometry: WheelGeometry, distance: float, node: float
-) -> Tuple[float, float]:
+        stage: Stage, geometry: WheelGeometry, distance: float, nodes: Array
+) -> Tuple[Array, Array]:
     """Return least and largest distance [m] of the centre that go with an error of h [rad]."""
     of_body, double = 0.5 * stage.turn_bound, 2.0 * geometry.separation
     kink = (stage.right_bound - stage.left_bound) / double
     nearest, opposite = (  # of the errors that the wheels can have where the body has the rest
-        geometry.separation * min(max(each, node - of_body), node + of_body)
+        geometry.separation * np.clip(each, nodes - of_body, nodes + of_body)
         for each in (kink, -kink))
-    low = max(-stage.left_bound, -stage.right_bound - 2.0 * opposite) + opposite
-    high = min(stage.left_bound, stage.right_bound - 2.0 * nearest) + nearest
+    low = np.maximum(-stage.left_bound, -stage.right_bound - 2.0 * opposite) + opposite
+    high = np.minimum(stage.left_bound, stage.right_bound - 2.0 * nearest) + nearest
     middle = 0.5 * (low + high)
-    return (distance + min(low, middle) - stage.distance_bound,
-            distance + max(high, middle) + stage.distance_bound)
+    return (distance + np.minimum(low, middle) - stage.distance_bound,
+            distance + np.maximum(high, middle) + stage.distance_bound)
 
 
-def slice_of(
-        polygon: Points, half: float, distances: Tuple[float, float], lateral: float,
+def slices_of(
+        polygon: Points, half: Array, distances: Tuple[Array, Array], lateral: float,
         margin: float) -> Points:
     """
-    Return the boundary of the sum of the rotated polygon and the rectangle of one half turn.
+    Return the boundaries of the sums of the rotated polygon and the rectangle of each half turn.
 
     It is the convolution of the two boundaries: each vertex, once for the normal of either of
     its edges and at most 45 degrees apart in between, goes with the corner of the rectangle that
@@ -140,10 +139,10 @@ def slice_of(
     ----------
     polygon : numpy.ndarray of complex, shape (n,)
         Counter-clockwise, not closed [m].
-    half : float
-        Half the turn [rad].
-    distances : pair of float
-        Least and largest distance of the centre [m].
+    half : numpy.ndarray, shape (s,)
+        Half the turns [rad].
+    distances : pair of numpy.ndarray, shape (s,)
+        Least and largest distances of the centre [m].
     lateral : float
         Largest displacement to the side [m].
     margin : float
@@ -151,22 +150,23 @@ def slice_of(
 
     Returns
     -------
-    numpy.ndarray of complex, shape (around,)
-        Points [m].
+    numpy.ndarray of complex, shape (around, s)
+        Points [m], one column a half turn.
 
     Examples
     --------
-    >>> round(float(slice_of(np.zeros(1, complex), 0.0, (0.9, 1.1), 0.1, 0.0).real.max()), 9)
+    >>> ends = np.array([0.9]), np.array([1.1])
+    >>> round(float(slices_of(np.zeros(1, complex), np.zeros(1), ends, 0.1, 0.0).real.max()), 9)
     1.1
 
     """
     points, normals = _with_normals(polygon)
-    low, high = sorted(float(sinc(half)) * each for each in distances)
-    angle, side = normals + half, lateral + margin
-    corner = (np.where(np.cos(angle) > 0.0, high + margin, low - margin)
+    ends = sinc(half) * np.array(distances)
+    angle, side = normals[:, None] + half, lateral + margin
+    corner = (np.where(np.cos(angle) > 0.0, ends.max(axis=0) + margin, ends.min(axis=0) - margin)
               + 1j * np.where(np.sin(angle) > 0.0, side, -side))
-    turned = complex(math.cos(half), math.sin(half))
-    return np.asarray(turned * (turned * points + corner))
+    turned = np.cos(half) + 1j * np.sin(half)
+    return np.asarray(turned * (turned * points[:, None] + corner))
 
 
 def _with_normals(polygon: Points) -> Tuple[Points, Array]:
