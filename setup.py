@@ -61,8 +61,10 @@ setup(
         'web': ['nicegui'],
         'browser': ['nicegui', 'playwright'],
         'bags': ['rosbags>=0.11'],
+        'campaign': ['distributed'],
         'docs': ['myst-parser', 'numpydoc', 'sphinx'],
         'test': [
+            'distributed',
             'hypothesis',
             'matplotlib',
             'mcap',
