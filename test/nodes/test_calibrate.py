@@ -23,7 +23,6 @@ from builtin_interfaces.msg import Time
 from diffdrive_kinematics.core.kinematics import (
     advance, Pose, twist_from_wheel_rates, WheelGeometry)
 from diffdrive_kinematics.core.odometry import WheelSample
-from diffdrive_kinematics.nodes.calibrate import work
 from diffdrive_kinematics.ros.parameters.package_share import share_directory
 from diffdrive_kinematics.tools.collection import Collection
 from geometry_msgs.msg import Pose as PoseMsg
@@ -36,7 +35,7 @@ from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState
 from std_srvs.srv import Trigger
 from support.graph import KHEPERA, set_stamp
-from support.inside import status_of
+from support.inside import Run
 from support.recorded import RADIUS, RUNS, SEPARATION, TICKS_PER_TURN
 
 SIDE = 12.0 * KHEPERA['wheel_separation']
@@ -163,11 +162,10 @@ def refused(capfd, monkeypatch, tmp_path):
         before = sorted(tmp_path.iterdir())
         output = [] if any(each.startswith('output:=') for each in settings) else [
             f'output:={tmp_path / "found.yaml"}']
-        capfd.readouterr()
-        status = status_of(work, [
-            *GEOMETRY, *(part for each in (*settings, *output) for part in ('-p', each))])
-        said = ''.join(capfd.readouterr())
-        assert status == 2 and words in said, said
+        calibrate = Run('calibrate', [
+            *GEOMETRY, *(part for each in (*settings, *output) for part in ('-p', each))], capfd)
+        said = calibrate.output
+        assert calibrate.wait() == 2 and words in said, said
         assert len(said.strip().splitlines()) == 1, said
         assert sorted(tmp_path.iterdir()) == before
 

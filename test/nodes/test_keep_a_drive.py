@@ -28,12 +28,22 @@ import numpy as np
 import pytest
 from support.driver import base, S
 from support.graph import KHEPERA
+from support.inside import Run
+
+pytestmark = pytest.mark.ros
 
 CONFIG = share_directory() / 'config'
-FAST = ['--ros-args', '-p', 'real_time_factor:=0.0']
+FAST = ['--ros-args', '--params-file', str(CONFIG / 'demo.yaml'), '-p', 'real_time_factor:=0.0']
 BIAS = {'left': 0.004, 'right': -0.002}
 MATPLOTLIB = pytest.mark.skipif(
     importlib.util.find_spec('matplotlib') is None, reason='matplotlib is not installed')
+
+
+@pytest.fixture
+def here(capfd, monkeypatch):
+    """Return what runs an executable in this process: one of its own takes two seconds more."""
+    monkeypatch.setenv('RCUTILS_COLORIZED_OUTPUT', '0')
+    return lambda name, args: Run(name, args, capfd)
 
 
 def columns_of(file):
@@ -43,9 +53,9 @@ def columns_of(file):
     return dict(zip(rows[0], np.array(rows[1:], dtype=float).T))
 
 
-def test_a_drive_is_kept_as_csv_with_belief_truth_wheels_and_commands(graph, tmp_path):
+def test_a_drive_is_kept_as_csv_with_belief_truth_wheels_and_commands(here, tmp_path):
     run = tmp_path / 'run.csv'
-    sim = graph.start('diffdrive_sim', args=[*FAST, '-p', f'record:={run}'])
+    sim = here('diffdrive_sim', [*FAST, '-p', f'record:={run}'])
     assert sim.wait() == 0, sim.output
     assert [file.name for file in tmp_path.iterdir()] == ['run.csv']
     kept = columns_of(run)
@@ -68,11 +78,11 @@ def test_a_drive_is_kept_as_csv_with_belief_truth_wheels_and_commands(graph, tmp
     assert w == pytest.approx(kept['angular_z'][:-1], abs=1e-6)
 
 
-def test_a_kept_drive_calibrates_to_the_bias_of_its_robot_and_plays_again(graph, tmp_path):
+def test_a_kept_drive_calibrates_to_the_bias_of_its_robot_and_plays_again(here, tmp_path):
     run = tmp_path / 'run.csv'
-    sim = graph.start('diffdrive_sim', args=[*FAST, '-p', f'record:={run}'])
+    sim = here('diffdrive_sim', [*FAST, '-p', f'record:={run}'])
     assert sim.wait() == 0, sim.output
-    calibrate = graph.start('calibrate', args=[
+    calibrate = here('calibrate', [
         '--ros-args', '--params-file', str(CONFIG / 'demo.yaml'), '-p', f'recordings:=[{run}]',
         '-p', f'output:={tmp_path / "found.yaml"}'])
     assert calibrate.wait() == 0, calibrate.output
@@ -80,7 +90,7 @@ def test_a_kept_drive_calibrates_to_the_bias_of_its_robot_and_plays_again(graph,
         value, error = map(float, re.search(
             rf'{side}_wheel_radius_multiplier +(\S+) +(\S+)', calibrate.output).groups())
         assert abs(value - 1.0 - bias) < 3.0 * error
-    again = graph.start('diffdrive_sim', args=[
+    again = here('diffdrive_sim', [
         '--ros-args', '--params-file', str(CONFIG / 'recording.yaml'), '-p',
         'wheel_radius:=0.021', '-p', 'wheel_separation:=0.0885', '-p', 'clock_step:=0.01',
         '-p', f'recording:={run}'])
@@ -89,8 +99,8 @@ def test_a_kept_drive_calibrates_to_the_bias_of_its_robot_and_plays_again(graph,
     assert [float(each) for each in belief] == pytest.approx([0.0, 0.0, 0.0], abs=2e-4)
 
 
-def test_the_recording_that_is_installed_is_played_to_its_end_as_its_file_stands(graph):
-    sim = graph.start('diffdrive_sim', args=[
+def test_the_recording_that_is_installed_is_played_to_its_end_as_its_file_stands(here):
+    sim = here('diffdrive_sim', [
         '--ros-args', '--params-file', str(CONFIG / 'recording.yaml'), '-p', 'clock_step:=0.05'])
     assert sim.wait() == 0, sim.output
     kept = columns_of(CONFIG / 'recording.csv')
@@ -108,9 +118,9 @@ def test_a_recording_in_another_package_is_refused(graph):
     assert 'expected package://diffdrive_kinematics/' in sequence.output
 
 
-def test_a_robot_without_a_truth_is_kept_without_its_columns(graph, tmp_path):
+def test_a_robot_without_a_truth_is_kept_without_its_columns(here, tmp_path):
     run = tmp_path / 'run.csv'
-    sim = graph.start('diffdrive_sim', args=[
+    sim = here('diffdrive_sim', [
         *FAST, '-p', 'diffdrive_sim:nodes:=[command_sequence, diff_drive_controller, '
         'simulated_base]', '-p', 'command_sequence:wait_for_topics:=[odom]', '-p',
         f'record:={run}'])
@@ -118,8 +128,8 @@ def test_a_robot_without_a_truth_is_kept_without_its_columns(graph, tmp_path):
     assert 'belief_x' in columns_of(run) and not {'x', 'y', 'yaw'} & set(columns_of(run))
 
 
-def test_a_csv_file_of_several_robots_is_refused_with_what_keeps_them(graph, tmp_path):
-    sim = graph.start('diffdrive_sim', args=[
+def test_a_csv_file_of_several_robots_is_refused_with_what_keeps_them(here, tmp_path):
+    sim = here('diffdrive_sim', [
         '--ros-args', '--params-file', str(CONFIG / 'two_robots.yaml'), '-p',
         f'record:={tmp_path / "run.csv"}'])
     assert sim.wait() == 2
@@ -128,16 +138,16 @@ def test_a_csv_file_of_several_robots_is_refused_with_what_keeps_them(graph, tmp
 
 
 @pytest.mark.parametrize('name', ['run.csv', 'run.mcap', 'run.png'])
-def test_what_is_kept_replaces_no_file_unless_it_is_told_to(graph, tmp_path, name):
+def test_what_is_kept_replaces_no_file_unless_it_is_told_to(here, tmp_path, name):
     if name.endswith('.mcap'):
         pytest.importorskip('rosbags')
     file = tmp_path / name
     file.write_text('mine')
     keep = [*FAST, '-p', f'{"picture" if name.endswith(".png") else "record"}:={file}']
-    sim = graph.start('diffdrive_sim', args=keep)
+    sim = here('diffdrive_sim', keep)
     assert sim.wait() == 2 and 'which exists' in sim.output
     assert file.read_text() == 'mine' and len(list(tmp_path.iterdir())) == 1
-    sim = graph.start('diffdrive_sim', args=[*keep, '-p', 'overwrite:=true'])
+    sim = here('diffdrive_sim', [*keep, '-p', 'overwrite:=true'])
     assert sim.wait() == 0, sim.output
     assert b'mine' not in file.read_bytes() and len(list(tmp_path.iterdir())) == 1
 
@@ -203,8 +213,8 @@ def test_what_cannot_be_completed_loses_nothing_else():
 
 @MATPLOTLIB
 @pytest.mark.parametrize(('name', 'begins'), [('a.png', b'\x89PNG'), ('a.svg', b'<?xml')])
-def test_the_way_of_a_drive_is_drawn_at_its_end(graph, tmp_path, name, begins):
-    sim = graph.start('diffdrive_sim', args=[*FAST, '-p', f'picture:={tmp_path / name}'])
+def test_the_way_of_a_drive_is_drawn_at_its_end(here, tmp_path, name, begins):
+    sim = here('diffdrive_sim', [*FAST, '-p', f'picture:={tmp_path / name}'])
     assert sim.wait() == 0, sim.output
     assert (tmp_path / name).read_bytes().startswith(begins)
     assert f'wrote {tmp_path / name}' in sim.output and '[WARN]' not in sim.output
@@ -222,10 +232,10 @@ def test_a_picture_without_matplotlib_is_refused_before_the_drive(graph, tmp_pat
     assert 'of 24.0 s' not in sim.output and not (tmp_path / 'a.png').exists()
 
 
-def test_keeping_a_drive_changes_nothing_of_it(graph, tmp_path):
+def test_keeping_a_drive_changes_nothing_of_it(here, tmp_path):
     tables = []
     for keep in ([], ['-p', f'record:={tmp_path / "run.csv"}']):
-        sim = graph.start('diffdrive_sim', args=[*FAST, *keep])
+        sim = here('diffdrive_sim', [*FAST, *keep])
         assert sim.wait() == 0, sim.output
         tables.append(sim.output[sim.output.index('x [m]'):sim.output.index('times real time')])
         tables[-1] = tables[-1].rpartition('\n')[0]

