@@ -295,7 +295,7 @@ def test_a_clock_that_is_not_that_of_the_stamps_is_named_and_projections_are_rig
         times = sorted(float(time) for time in re.findall(r'([0-9.]+) s\b', said[0]))
         assert times[0] == pytest.approx(100.0, abs=60.0) and times[1] > 1e9
     distance = 5.0 * KHEPERA['wheel_radius'] * 4.0
-    assert poses
+    graph.wait_for(lambda: tell() or poses, 'projections')
     for message in poses:
         assert positions(message) == pytest.approx(np.array([[distance, 0.0]] * 2), abs=1e-9)
     looks.clear()
