@@ -95,7 +95,7 @@ class Publisher:
 
     def __init__(self, draw, time):
         self._draw, self._time, self.number = draw, time, 0
-        self.source = draw.choice(['driver#1', 'driver#1', 'driver#2', '', 'base_link'])
+        self.source = draw.choice([*['driver#1', 'driver#2'] * 4, '', 'base_link'])
         self.with_positions = draw.random() < (0.7 if '#' in self.source else 0.2)
         self.rates, self.angles, self.last_ns = [0.0, 0.0], [0.0, 0.0], time.wall_ns
         self._names, self.noise = JOINTS, 0.0
@@ -181,6 +181,7 @@ CALLS = [
 def drive(seed, time, bases):
     """Have random things happen to all bases alike; return how many messages were usual."""
     draw, usual = random.Random(seed), 0
+    trouble = draw.choice([0.0, 0.004, 0.05])  # one message that is lost ends the usual for 10 s
     publishers = [Publisher(draw, time)]
     for _ in range(EVENTS):
         event = draw.random()
@@ -194,11 +195,12 @@ def drive(seed, time, bases):
             time.pass_by(MS, draw.choice([-3000 * MS, -20 * MS, 200 * MS, 3000 * MS]))
         elif event < 0.05:
             time.pass_by(draw.choice([490, 499, 500, 501, 700, 2500]) * MS)
-        elif event < 0.053:
+        elif event < 0.05 + 0.06 * trouble:
             publishers = [Publisher(draw, time), *draw.choice([[], [], publishers])][:2]
         elif event < 0.55:
-            fault = draw.choice(FAULTS) if draw.random() < 0.05 else ''
-            messages = [publisher.message(fault)] * draw.choice([1] * 60 + [0, 2])
+            fault = draw.choice(FAULTS) if draw.random() < trouble else ''
+            messages = [publisher.message(fault)] * (
+                draw.choice([0, 2]) if draw.random() < 0.6 * trouble else 1)
             for base in bases:
                 base.queue.extend(messages)
         if event < 0.3 or event > 0.55:
@@ -234,4 +236,4 @@ def test_a_lean_base_is_a_plain_one(name, time):
             finally:
                 for base in bases:
                     base.node.destroy_node()
-    assert bool(usual) == (name in SETTINGS)
+    assert usual > 50 if name in SETTINGS else not usual
