@@ -15,7 +15,6 @@
 """``teleop``: keys of a terminal in, velocity commands out."""
 
 import atexit
-from dataclasses import dataclass
 import sys
 import time
 from typing import Any, Mapping, Sequence, Tuple
@@ -43,14 +42,7 @@ SOMEBODY = 1  # at the helm
 END = '\x03'
 
 
-@dataclass(frozen=True)
-class Config:
-    """What is published, and how fast."""
-
-    values: Mapping[str, Any]
-
-
-class Teleop(DiffDriveNode[Config]):
+class Teleop(DiffDriveNode[Mapping[str, Any]]):
     """
     Publishes while a key is held, rest once it ends, and nothing else.
 
@@ -59,8 +51,8 @@ class Teleop(DiffDriveNode[Config]):
     """
 
     def __init__(self, name: str = 'teleop', **composition: Any) -> None:
-        super().__init__(name, TELEOP, Config, **composition)
-        values = self.config.values
+        super().__init__(name, TELEOP, dict, **composition)
+        values = self.config
         stamped = values['enable_stamped_cmd_vel']
         self._message = TwistCodec(values['base_frame_id'] if stamped else None)
         self._publisher = self.runtime.publish(

@@ -14,7 +14,6 @@
 
 """``web_view``: a page in the browser on which a robot is watched and driven."""
 
-from dataclasses import dataclass
 import math
 import time
 from typing import Any, List, Mapping, Tuple
@@ -44,14 +43,7 @@ NOISE = (  # what is set in the noise node: label, range, step
     ('right_slip_variance', 'right slip [m]', 0.0, 1e-4, 1e-6))
 
 
-@dataclass(frozen=True)
-class Config:
-    """What the page shows, and where."""
-
-    values: Mapping[str, Any]
-
-
-class WebView(DiffDriveNode[Config]):
+class WebView(DiffDriveNode[Mapping[str, Any]]):
     """
     Serves the page; it subscribes to nothing while nobody looks.
 
@@ -59,8 +51,8 @@ class WebView(DiffDriveNode[Config]):
     """
 
     def __init__(self, name: str = 'web_view', **composition: Any) -> None:
-        super().__init__(name, WEB_VIEW, Config, **composition)
-        values = self.config.values
+        super().__init__(name, WEB_VIEW, dict, **composition)
+        values = self.config
         self._shown = PageFrame(values['wheel_separation'])
         self._helm, self._drove = Helm(SILENCE_S), False
         stamped = values['enable_stamped_cmd_vel']
@@ -117,7 +109,7 @@ class WebView(DiffDriveNode[Config]):
     # What comes in from ROS, while somebody looks.
 
     def _listen(self) -> None:
-        values = self.config.values
+        values = self.config
         self._sources = [
             self.runtime.listen(message_type, values[name], callback, needs_wakeup=False)
             for message_type, name, callback in (
@@ -174,7 +166,7 @@ class WebView(DiffDriveNode[Config]):
     def _do_drive(self, viewer: int, value: Any) -> None:
         v, w = (max(-1.0, min(1.0, float(part))) for part in value)
         check_numbers((v, w))
-        values = self.config.values
+        values = self.config
         self._helm = self._helm.asked(
             viewer, (v * values['max_speed'], w * values['max_yaw_rate']), time.monotonic())
 
