@@ -93,7 +93,7 @@ def slip_remark(slip: SlipFit) -> str:
     if not slip.rivals:
         return said
     best, *others = slip.rivals
-    said += (': the wheels, or what is likelier: each constant has to raise twice the log '
+    said += (': that of the wheels, or a likelier set: each constant has to raise twice the log '
              'likelihood by 6.6 (1 % by chance)')
     return said + ''.join(
         f'; next best: {_named(other.terms)}, {_behind(other, best):.1f} behind'

@@ -22,8 +22,8 @@ from diffdrive_kinematics.core.noise import check_session_fraction
 __all__ = ['THIS_SESSION_ONLY', 'session_parameters', 'session_remark', 'session_rows']
 
 THIS_SESSION_ONLY = (
-    'the standard errors speak of this session only: what differs between sessions takes three '
-    'or more drives that each tell the wheels, best of different days')
+    'the standard errors hold for this session only: to find what differs between sessions, give '
+    'three or more drives of which each is enough for the wheels, best of different days')
 UNITS = {'scale': '1', 'separation': '1', 'curvature': 'rad/m'}
 
 
@@ -41,7 +41,7 @@ def session_remark(sessions: Optional[SessionFit]) -> str:
         return THIS_SESSION_ONLY
     kept = '; not the scale, as the mean radius is kept' if sessions.scale is None else ''
     return (f'session_*: what differs between the {sessions.sessions} drives beyond the standard '
-            f'errors of each; drives of one day tell nothing about other days{kept}'
+            f'errors of each; drives of one day say nothing about other days{kept}'
             + ''.join(f'; WARNING: {name.split()[0]} is not written, as {value:.3g} is more than '
                       'the nodes take, look for a drive that is not like the others'
                       for name, value, _ in session_rows(sessions) if not _is_taken(name, value)))

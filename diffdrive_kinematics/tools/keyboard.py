@@ -111,7 +111,7 @@ class Keyboard:
             self._before = termios.tcgetattr(descriptor)
         except termios.error as error:
             raise ValueError(
-                'standard input is no terminal, expected one to read keys from') from error
+                'standard input is not a terminal, expected one to read keys from') from error
         try:
             tty.setcbreak(descriptor)
             self.tells_releases = self._asks()

@@ -153,7 +153,7 @@ def test_a_signal_leaves_the_robot_at_rest_and_the_terminal_as_it_was(terminal, 
 def test_without_a_terminal_it_says_so(graph):
     process = graph.start('teleop')
     assert process.wait() == 2
-    assert 'standard input is no terminal' in process.output
+    assert 'standard input is not a terminal' in process.output
 
 
 @pytest.mark.parametrize('data, keys', [

@@ -23,7 +23,7 @@ from support.drives import drive, GEOMETRY, Truth
 import yaml
 
 VALUES = {'mean_radius': '', 'equal_slip': False}
-ONLY = 'speak of this session only'
+ONLY = 'hold for this session only'
 
 
 def calibrated(separations, **values):

@@ -175,7 +175,7 @@ def ratios_of_angles(
     if not abs(u) <= LARGEST_U:
         raise ValueError(
             f'E_d is {e_d!r}, expected from 0.5 to 2: a square of {4.0 * way!r} m is too short '
-            f'to tell wheels {separation!r} m apart from each other, drive a larger one')
+            f'to distinguish wheels {separation!r} m apart, drive a larger one')
     by_alpha = 2.0 / (1.0 - u)**2 * u * e_b / QUARTER
     by_beta = 2.0 / (1.0 - u)**2 * 0.5 * lean * math.cos(0.5 * beta.value)
     variance = ((by_alpha * alpha.error)**2 + (by_beta * beta.error)**2

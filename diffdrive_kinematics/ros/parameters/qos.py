@@ -104,11 +104,11 @@ def overrides_from(parameters: Mapping[str, Any]) -> Dict[Tuple[str, str], Tuple
         topic, end, policy = _parts(name)
         if not topic.startswith('/') or end not in ENDS or policy not in POLICIES:
             problems.append(
-                f'{name} is no override, expected {PREFIX}/TOPIC.END.POLICY with the resolved '
+                f'{name} is not an override, expected {PREFIX}/TOPIC.END.POLICY with the resolved '
                 f"name of a topic, END {' or '.join(ENDS)} and POLICY one of "
                 f"{', '.join(POLICIES)}")
         elif end == 'subscription' and policy == 'lifespan':
-            problems.append(f'{name} is no override, expected lifespan for a publisher only')
+            problems.append(f'{name} is not an override, expected lifespan for a publisher only')
         else:
             override = Override(topic, end, policy, value)
             accepts, expected = POLICIES[policy]

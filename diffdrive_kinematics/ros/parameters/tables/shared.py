@@ -81,8 +81,8 @@ GEOMETRY = (*SEPARATION, *RADII)
 
 RESPONSE = (
     Spec('response_max_speed', 0.0, 'Largest speed [m/s] with which the response to commands was '
-         'measured. Commands beyond it count as this one. 0: there is none, the robot does as it '
-         'is told.',
+         'measured. Commands beyond it count as this one. 0: there is no response, the robot '
+         'does what its commands say.',
          check=check_non_negative),
     Spec('response_max_yaw_rate', 0.0, 'Largest yaw rate [rad/s] with which the response was '
          'measured. Commands beyond it count as this one.',

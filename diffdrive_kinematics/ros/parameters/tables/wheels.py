@@ -72,7 +72,7 @@ SIMULATED_BASE = (
     Spec('encoder_resolution', 0.0, 'Ticks in one turn of a joint, for the positions in '
          'published joint states. 0: ideal encoders.', check=check_resolution, read_only=True),
     Spec('max_encoder_rate', 1000.0, 'Wheel rate [rad/s] well above what the wheels can do. If '
-         'the positions of a driver changed faster between two messages, they count from anew, '
+         'the positions of a driver changed faster between two messages, they count from there, '
          'as encoders do that started again elsewhere. NaN: no limit.',
          check=check_positive_or_nan),
     Spec('velocity_rolling_window_size', 10, 'Number of messages over which the twist is taken '
@@ -142,7 +142,7 @@ FORWARD_PROJECTION = (
     Spec('stages', 4, 'Number of equal steps into which the horizon is cut. Each has slip of its '
          'own.', Kind.INTEGER, check_stages),
     Spec('samples', 200, 'Number of sampled poses.', Kind.INTEGER, check_count),
-    Spec('seed', 0, 'Seed of the samples. It is used anew each time, so that the samples move '
+    Spec('seed', 0, 'Seed of the samples. It is used again each time, so that the samples move '
          'with the robot.',
          Kind.INTEGER, check_seed),
     *SLIP, DISTRIBUTION, DIAGNOSTICS, EXECUTOR)
