@@ -20,12 +20,11 @@ from typing import List, NamedTuple, Optional, Tuple
 from builtin_interfaces.msg import Time
 from diffdrive_kinematics.core.calibration import (
     drive_from_positions, drive_from_rates, RecordedDrive)
-from diffdrive_kinematics.core.kinematics import Pose, WheelGeometry
+from diffdrive_kinematics.core.kinematics import Array, Pose, WheelGeometry
 from diffdrive_kinematics.core.odometry import WheelSample
 from diffdrive_kinematics.ros.messages.messages import nanoseconds, pose_in_plane
 from geometry_msgs.msg import Pose as PoseMessage
 import numpy as np
-from numpy.typing import NDArray
 
 __all__ = ['Collection']
 
@@ -86,7 +85,7 @@ class Collection:
             return
         self._reference.append((stamp_ns, *at))
 
-    def reference(self) -> 'NDArray[np.float64]':
+    def reference(self) -> Array:
         """Return the reference so far: time [s], x [m], y [m], yaw [rad], shape (m, 4)."""
         return np.array([(stamp_ns / 1e9, *pose) for stamp_ns, *pose in self._reference],
                         dtype=np.float64).reshape(-1, 4)

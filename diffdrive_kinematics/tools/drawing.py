@@ -17,7 +17,7 @@
 import io
 from typing import Any, List, NamedTuple, Sequence, Tuple
 
-from diffdrive_kinematics.core.kinematics import Pose
+from diffdrive_kinematics.core.kinematics import Array, Pose
 from diffdrive_kinematics.core.noise import PoseCovariance
 import numpy as np
 from numpy.typing import NDArray
@@ -37,7 +37,7 @@ PATHS, MEAN, ELLIPSE, REACH = '#4477aa', 'black', '#cc3311', '#117733'
 LONG_SIDE, SHORT_SIDE = 9.0, 4.5
 ARC_RAD = 0.02  # turn between two points of an arc that is drawn
 
-Outline = Tuple[NDArray[np.float64], NDArray[np.float64]]
+Outline = Tuple[Array, Array]
 
 
 class Picture(NamedTuple):
@@ -85,7 +85,7 @@ def along_arcs(poses: Pose, travels: Sequence[float]) -> Pose:
         count = 1 + int(np.max(np.abs(turn)) / ARC_RAD)
         part = (np.arange(1, count + 1) / count).reshape(-1, *np.ndim(turn) * (1,))
 
-        def way(part: NDArray[np.float64]) -> NDArray[np.complex128]:
+        def way(part: Array) -> NDArray[np.complex128]:
             half = 0.5 * part * turn
             return travel * part * np.sinc(half / np.pi) * np.exp(1j * (heading + half))
 

@@ -20,7 +20,7 @@ from diffdrive_kinematics.core.calibration.calibration_parameters import Calibra
 from diffdrive_kinematics.core.calibration.drive_odometry import odometry_at
 from diffdrive_kinematics.core.calibration.recorded_drive import RecordedDrive
 from diffdrive_kinematics.core.calibration.trajectory_windows import WindowSet
-from diffdrive_kinematics.core.kinematics import WheelGeometry
+from diffdrive_kinematics.core.kinematics import Array, WheelGeometry
 import numpy as np
 from numpy.typing import NDArray
 
@@ -86,7 +86,7 @@ def frame_from_motion(
     return place.real, place.imag, float(-np.angle(a))
 
 
-def _displacements(poses: NDArray[np.float64], windows: WindowSet) -> NDArray[np.complex128]:
+def _displacements(poses: Array, windows: WindowSet) -> NDArray[np.complex128]:
     """Return where windows end, in the frame of their start."""
     apart = poses[windows.end] - poses[windows.start]
     found: NDArray[np.complex128] = (
@@ -94,6 +94,6 @@ def _displacements(poses: NDArray[np.float64], windows: WindowSet) -> NDArray[np
     return found
 
 
-def _turns(poses: NDArray[np.float64], windows: WindowSet) -> NDArray[np.float64]:
-    turns: NDArray[np.float64] = poses[windows.end, 2] - poses[windows.start, 2]
+def _turns(poses: Array, windows: WindowSet) -> Array:
+    turns: Array = poses[windows.end, 2] - poses[windows.start, 2]
     return turns

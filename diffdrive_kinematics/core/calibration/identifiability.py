@@ -22,8 +22,8 @@ from diffdrive_kinematics.core.calibration.fit_problem import Problem
 from diffdrive_kinematics.core.calibration.fit_state import FitState
 from diffdrive_kinematics.core.calibration.window_variances import START_VARIANCES
 from diffdrive_kinematics.core.calibration.window_weights import Variances
+from diffdrive_kinematics.core.kinematics import Array
 import numpy as np
-from numpy.typing import NDArray
 
 LARGEST_ERROR = CalibrationParameters(
     left=0.1, right=0.1, separation=0.1, x=0.05, y=0.05, yaw=0.2, offset=0.5, drift=0.1)
@@ -137,7 +137,7 @@ def refuse_unidentified(state: FitState, *, course: bool = False) -> None:
             f'would: {SAME_DRIVE}')
 
 
-def _limits(state: FitState) -> NDArray[np.float64]:
+def _limits(state: FitState) -> Array:
     """Return how large the standard errors of the parameters may be."""
     problem = state.problem
     return np.array([

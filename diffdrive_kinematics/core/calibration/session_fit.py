@@ -33,9 +33,9 @@ from diffdrive_kinematics.core.calibration.recorded_drive import RecordedDrive
 from diffdrive_kinematics.core.calibration.trajectory_fit import fit_trajectory
 from diffdrive_kinematics.core.calibration.trajectory_result import TrajectoryFit
 from diffdrive_kinematics.core.calibration.trajectory_windows import Windows
-from diffdrive_kinematics.core.kinematics import WheelGeometry
+from diffdrive_kinematics.core.kinematics import Array, WheelGeometry
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 FEWEST = 3
 HALVINGS = 100
@@ -97,7 +97,7 @@ def spread_between(values: ArrayLike, errors: ArrayLike) -> Estimate:
 
     """
     each = np.asarray(values, dtype=np.float64)
-    within: NDArray[np.float64] = np.asarray(errors, dtype=np.float64)**2
+    within: Array = np.asarray(errors, dtype=np.float64)**2
     degrees = len(each) - 1
 
     def scatter(variance: float) -> float:

@@ -15,11 +15,11 @@
 """The kinematics of two wheels as matrices."""
 
 from diffdrive_kinematics.core.kinematics.geometry import WheelGeometry
+from diffdrive_kinematics.core.kinematics.pose import Array
 import numpy as np
-from numpy.typing import NDArray
 
 
-def jacobian(geometry: WheelGeometry) -> NDArray[np.float64]:
+def jacobian(geometry: WheelGeometry) -> Array:
     """
     Return the matrix J of the forward kinematics: ``[v, w] = J @ [u_l, u_r]``.
 
@@ -45,7 +45,7 @@ def jacobian(geometry: WheelGeometry) -> NDArray[np.float64]:
     return np.array([[0.5 * left, 0.5 * right], [-left / separation, right / separation]])
 
 
-def inverse_jacobian(geometry: WheelGeometry) -> NDArray[np.float64]:
+def inverse_jacobian(geometry: WheelGeometry) -> Array:
     """
     Return the matrix of the inverse kinematics: ``[u_l, u_r] = J^-1 @ [v, w]``.
 

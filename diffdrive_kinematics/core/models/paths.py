@@ -16,17 +16,16 @@
 
 from typing import List, Sequence, Tuple
 
-from diffdrive_kinematics.core.kinematics import Scalar
+from diffdrive_kinematics.core.kinematics import Array, Scalar
 from diffdrive_kinematics.core.models.disturbance import Disturbance, disturbed, Step
 from diffdrive_kinematics.core.models.system import ControlSystem, Vector
 from diffdrive_kinematics.core.models.transitions import transition
 import numpy as np
-from numpy.typing import NDArray
 
 
 def sample_paths(
         system: ControlSystem, start: Vector, steps: Sequence[Step], disturbance: Disturbance, *,
-        n: int, generator: 'np.random.Generator') -> Tuple[NDArray[np.float64], ...]:
+        n: int, generator: 'np.random.Generator') -> Tuple[Array, ...]:
     """
     Return n sample paths: the forward projection over one and many steps (2.35, 2.39).
 

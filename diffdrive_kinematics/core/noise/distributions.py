@@ -34,13 +34,12 @@ numpy.random is named in quotes, since numpy imports it where it is first used.
 import math
 from typing import Optional, Tuple, Union
 
-from diffdrive_kinematics.core.kinematics import check_finite, check_non_negative, wrap_angle
+from diffdrive_kinematics.core.kinematics import (
+    check_finite, check_non_negative, Scalar, wrap_angle)
 import numpy as np
-from numpy.typing import NDArray
 
 DISTRIBUTIONS = ('gaussian', 'truncated_gaussian', 'triangular', 'uniform')
 
-Draw = Union[float, NDArray[np.float64]]
 Shape = Union[int, Tuple[int, ...]]
 
 CUT = 2.0
@@ -118,7 +117,7 @@ def unit_bound(distribution: str) -> float:
 
 def draw_unit(
         distribution: str, generator: 'np.random.Generator',
-        shape: Optional[Shape] = None) -> Draw:
+        shape: Optional[Shape] = None) -> Scalar:
     """
     Return independent draws of mean 0 and variance 1.
 
@@ -158,7 +157,7 @@ def draw_unit(
     return generator.uniform(-bound, bound, shape)
 
 
-def _draw_truncated(generator: 'np.random.Generator', shape: Optional[Shape]) -> Draw:
+def _draw_truncated(generator: 'np.random.Generator', shape: Optional[Shape]) -> Scalar:
     """Return normals by rejection of those beyond +-CUT, in the order of the stream."""
     if shape is None:
         return float(_draw_truncated(generator, 1)[0])  # type: ignore[index]
@@ -173,7 +172,7 @@ def _draw_truncated(generator: 'np.random.Generator', shape: Optional[Shape]) ->
 
 def sample_heading(
         mean: float, concentration: float, generator: 'np.random.Generator',
-        shape: Optional[Shape] = None) -> Draw:
+        shape: Optional[Shape] = None) -> Scalar:
     """
     Return headings with the von Mises density (LaValle, Mobile Robotics, eq. 2.38).
 

@@ -33,16 +33,12 @@ Variance and sampling are separate functions that share the law.
 
 from dataclasses import dataclass
 import math
-from typing import Union
 
-from diffdrive_kinematics.core.kinematics import check_above, check_non_negative
+from diffdrive_kinematics.core.kinematics import check_above, check_non_negative, Scalar
 from diffdrive_kinematics.core.noise.distributions import check_distribution, draw_unit
 import numpy as np
-from numpy.typing import NDArray
 
 SLIP_MODELS = ('travel', 'command')
-
-Travel = Union[float, NDArray[np.float64]]
 
 
 @dataclass(frozen=True)
@@ -121,7 +117,7 @@ def check_slip_model(name: str, model: str) -> str:
     return model
 
 
-def travel_variance(slip: WheelSlip, travel: Travel) -> Travel:
+def travel_variance(slip: WheelSlip, travel: Scalar) -> Scalar:
     """
     Return the variance of the random part of a wheel's travel over one interval.
 
@@ -150,7 +146,7 @@ def travel_variance(slip: WheelSlip, travel: Travel) -> Travel:
     return slip.variance * distance * (1.0 if slip.model == 'travel' else distance)
 
 
-def sample_travel(slip: WheelSlip, travel: Travel, generator: 'np.random.Generator') -> Travel:
+def sample_travel(slip: WheelSlip, travel: Scalar, generator: 'np.random.Generator') -> Scalar:
     """
     Return a sample of the effective travel of a wheel, ``(1 + b) d + e``.
 

@@ -21,13 +21,13 @@ closed.
 
 from typing import List, Tuple
 
+from diffdrive_kinematics.core.kinematics import Array
 from diffdrive_kinematics.core.noise.polygons import ranges, segment_distances
 import numpy as np
 from numpy.typing import NDArray
 
 Points = NDArray[np.complex128]
 Pairs = NDArray[np.int64]
-Vector = NDArray[np.float64]
 
 JITTER = 1e-9
 """Of the size: moves points into general position, where no two segments overlap."""
@@ -97,11 +97,11 @@ def _snapped(points: Points, size: float) -> Pairs:
     return np.asarray(np.unique(grid, return_inverse=True)[1]).reshape(-1)
 
 
-def _cross(a: Points, b: Points) -> Vector:
+def _cross(a: Points, b: Points) -> Array:
     return np.asarray(a.real * b.imag - a.imag * b.real)
 
 
-def _split(points: Points, pairs: Pairs) -> Tuple[Points, Pairs, Vector]:
+def _split(points: Points, pairs: Pairs) -> Tuple[Points, Pairs, Array]:
     """Return points, pieces of segments that meet in points only, and their directions."""
     first, second, t, u = _crossings(points, pairs)
     begin, end = points[pairs[:, 0]], points[pairs[:, 1]]
@@ -119,7 +119,7 @@ def _split(points: Points, pairs: Pairs) -> Tuple[Points, Pairs, Vector]:
             np.angle(end - begin)[segment[:-1][same]])
 
 
-def _walked(points: Points, pieces: Pairs, directions: Vector) -> Points:
+def _walked(points: Points, pieces: Pairs, directions: Array) -> Points:
     """Walk around the pieces, the outside on the right; nothing where it does not come back."""
     at_ends, others = pieces.reshape(-1), pieces[:, ::-1].reshape(-1)
     order = np.argsort(at_ends, kind='stable')
@@ -159,7 +159,7 @@ def _encloses(polygon: Points, points: Points, tolerance: float) -> bool:
         for part in np.array_split(strays, 1 + len(strays) // BLOCK) if len(part))
 
 
-def _crossings(points: Points, pairs: Pairs) -> Tuple[Pairs, Pairs, Vector, Vector]:
+def _crossings(points: Points, pairs: Pairs) -> Tuple[Pairs, Pairs, Array, Array]:
     """Return (i, j, t, u): segment i at its fraction t crosses segment j at its fraction u."""
     begin, end = points[pairs[:, 0]], points[pairs[:, 1]]
     first, second = _near(begin, end)
@@ -204,7 +204,7 @@ def _near(begin: Points, end: Points) -> Tuple[Pairs, Pairs]:
     return number // len(order), number % len(order)
 
 
-def _followers(low: Vector, high: Vector) -> Tuple[Pairs, Pairs]:
+def _followers(low: Array, high: Array) -> Tuple[Pairs, Pairs]:
     """Return up to where, in the order in which intervals begin, others begin within each."""
     order = np.argsort(low, kind='stable')
     return np.searchsorted(low[order], high[order], side='right'), order

@@ -17,7 +17,7 @@
 import math
 from typing import Sequence, Tuple
 
-from diffdrive_kinematics.core.kinematics import is_sane, LARGEST, Pose
+from diffdrive_kinematics.core.kinematics import Array, is_sane, LARGEST, Pose
 from diffdrive_kinematics.core.noise.pose_covariance import PoseCovariance
 import numpy as np
 
@@ -130,7 +130,7 @@ def planar_covariance(covariance: Sequence[float]) -> PoseCovariance:
     return PoseCovariance.from_matrix(0.5 * (block + block.T))
 
 
-def _smallest_share(block: 'np.typing.NDArray[np.float64]') -> float:
+def _smallest_share(block: Array) -> float:
     """Return the smallest eigenvalue of the correlations, which have no units; 0 where none."""
     deviations = np.sqrt(np.maximum(np.diag(block), 0.0))
     if np.any(np.diag(block) < 0.0):

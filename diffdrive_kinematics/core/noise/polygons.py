@@ -21,12 +21,12 @@ closed.
 
 from typing import Tuple
 
+from diffdrive_kinematics.core.kinematics import Array
 import numpy as np
 from numpy.typing import NDArray
 
 Points = NDArray[np.complex128]
 Pairs = NDArray[np.int64]
-Vector = NDArray[np.float64]
 
 
 def area(polygon: Points) -> float:
@@ -148,7 +148,7 @@ def ranges(low: Pairs, high: Pairs) -> Tuple[Pairs, Pairs]:
     return which, np.arange(len(which)) + (low - np.cumsum(counts) + counts)[which]
 
 
-def segment_distances(points: Points, begin: Points, end: Points) -> Vector:
+def segment_distances(points: Points, begin: Points, end: Points) -> Array:
     """
     Return the distances of points from segments; shapes broadcast.
 

@@ -17,8 +17,8 @@
 import math
 from typing import NamedTuple
 
+from diffdrive_kinematics.core.kinematics import Array
 import numpy as np
-from numpy.typing import NDArray
 
 
 class PoseCovariance(NamedTuple):
@@ -56,7 +56,7 @@ class PoseCovariance(NamedTuple):
     yt: float
     tt: float
 
-    def matrix(self) -> NDArray[np.float64]:
+    def matrix(self) -> Array:
         """
         Return the covariance as an array.
 
@@ -78,7 +78,7 @@ class PoseCovariance(NamedTuple):
                          [self.xt, self.yt, self.tt]])
 
     @staticmethod
-    def from_matrix(matrix: NDArray[np.float64]) -> 'PoseCovariance':
+    def from_matrix(matrix: Array) -> 'PoseCovariance':
         """
         Return the covariance of a symmetric matrix.
 
