@@ -25,6 +25,7 @@ its middle.
 
 from diffdrive_kinematics.core.calibration.fit_state import FitState
 from diffdrive_kinematics.core.calibration.gauss_newton import inverse_of
+from diffdrive_kinematics.core.calibration.interval_sums import from_entries
 from diffdrive_kinematics.core.kinematics import Array
 import numpy as np
 
@@ -106,14 +107,13 @@ def _score_covariance(state: FitState, number: int, gain: Array) -> Array:
     samples = len(state.problem.drives[number].reference)
     size = gain.shape[1]
     pulled = gain @ part.along
-    bounds, at = np.unique(np.concatenate([part.first, part.last + 1]), return_inverse=True)
+    bounds, known, at = np.unique(
+        np.concatenate([part.first, part.last + 1]), return_index=True, return_inverse=True)
     change = np.zeros((len(bounds), size, 3))  # constant from one bound to the next
     np.add.at(change, at[:len(pulled)], pulled)
     np.subtract.at(change, at[len(pulled):], pulled)
     carried = np.cumsum(change, axis=0)[:-1]
-    spread = np.add.reduceat(part.spread, bounds[:-1], axis=0)
-    if bounds[-1] < len(part.spread):
-        spread[-1] = part.spread[bounds[-2]:bounds[-1]].sum(axis=0)
+    spread = from_entries(np.diff(np.concatenate([*part.passed], axis=1)[:, known], axis=1))
     by_sample = np.zeros((samples, size, 3))
     np.add.at(by_sample, windows.start, gain @ part.at_start)
     np.add.at(by_sample, windows.end, gain @ part.at_end)

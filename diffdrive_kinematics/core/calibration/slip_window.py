@@ -30,7 +30,7 @@ its twist.  Both ends carry it: ``N_p = diag(2, 2, 0)``, and ``N_h = j j^T + dia
 from dataclasses import dataclass
 
 from diffdrive_kinematics.core.kinematics import Array, between, Pose, WheelGeometry, wrap_angle
-from diffdrive_kinematics.core.noise import body_covariance_along, covariance_along
+from diffdrive_kinematics.core.noise import arcs_along, body_covariance_along, covariance_along
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -120,13 +120,14 @@ def slip_window(
     moving = rows[(rows != 0.0).any(axis=1)]
     if not len(moving):
         raise ValueError('travel is 0 throughout, expected a window in which a wheel turns')
-    pose, (left, right) = covariance_along(geometry, moving)
+    arcs = arcs_along(geometry, moving)
+    pose, (left, right) = arcs.end, covariance_along(arcs)
     measured = _relative(before, after)
     odometry = np.array([pose.x, pose.y, pose.theta])
     error = measured - odometry
     error[2] = wrap_angle(float(error[2]))
     return SlipWindow(
-        error, left, right, body_covariance_along(geometry, moving), np.diag([2.0, 2.0, 0.0]),
+        error, left, right, body_covariance_along(arcs), np.diag([2.0, 2.0, 0.0]),
         _heading_noise(float(pose.x), float(pose.y)),
         _time_noise(pose, np.asarray(twists, dtype=np.float64)))
 

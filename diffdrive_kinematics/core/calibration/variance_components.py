@@ -16,14 +16,15 @@
 Variance components of the greatest likelihood: what the covariances of errors are made of.
 
 ``P = given + sum of q_a parts_a`` is linear in q: a model of variance components (Harville 1977,
-J. Am. Stat. Assoc. 72(358), eqs. 2.3 to 2.6).
+J. Am. Stat. Assoc. 72(358), eqs. 2.3 to 2.6).  With ``M P M^T = 1`` all of it is sums over the
+white errors ``z = M e`` and parts ``C_a = M A_a M^T`` (:mod:`.white_errors`).
 """
 
-from typing import Any, List, NamedTuple, Optional, Tuple
+from typing import List, NamedTuple, Optional, Tuple
 
+from diffdrive_kinematics.core.calibration.white_errors import entries_of, TIMES, whitened
 from diffdrive_kinematics.core.kinematics import Array
 import numpy as np
-from numpy.typing import NDArray
 
 DISTINCT = 1e-7  # least eigenvalue of the information's correlation that counts as identified
 VANISHED = 1e-7  # share of the errors below which a variance component is put to 0
@@ -83,14 +84,8 @@ def likelihood(error: Array, covariance: Array) -> Tuple[Array, Array]:
     array([4.])
 
     """
-    sign, log_det = np.linalg.slogdet(covariance)
-    if not ((sign > 0.0) & np.isfinite(log_det)).all():
-        worst = int(np.argmin(np.where(np.isfinite(log_det), sign, -1.0)))
-        raise ValueError(
-            f'the covariance of window {worst} is singular, expected slip or a noise of the '
-            f'reference that moves x, y and theta')
-    solved = np.linalg.solve(covariance, error[..., None])[..., 0]
-    return log_det, np.einsum('ni,ni->n', error, solved)
+    white, log_det, _ = whitened(error.T, entries_of(covariance))
+    return log_det, (white**2).sum(axis=0)
 
 
 def fit_components(
@@ -135,7 +130,7 @@ def fit_components(
     (4, 1.0)
 
     """
-    data = _Data(error, parts, given, np.ones(len(error)) if weights is None else weights)
+    data = _Data.of(error, parts, given, np.ones(len(error)) if weights is None else weights)
     scale = _scales(error, parts)
     bound = np.zeros(len(scale)) if least is None else least
     found = [_scored(data, start, np.maximum(1e-2 * VANISHED * scale, bound))
@@ -146,20 +141,27 @@ def fit_components(
 
 
 class _Data(NamedTuple):
-    """What is given."""
+    """What is given: errors (3, n), entries of parts (p, 6, n) and of what is known (6, n)."""
 
     error: Array
     parts: Array
     given: Array
     weights: Array
 
+    @classmethod
+    def of(cls, error: Array, parts: Array, given: Array, weights: Array) -> '_Data':
+        """Return errors (n, 3) with matrices (p, n, 3, 3) and (n, 3, 3)."""
+        return cls(error.T.copy(), entries_of(parts), entries_of(given), weights)
+
     def covariance(self, values: Array) -> Array:
+        """Return the entries of P, shape (6, n)."""
         found: Array = self.given + np.tensordot(values, self.parts, 1)
         return found
 
     def cost(self, values: Array) -> float:
         """Return the negative log likelihood, without its constant."""
-        return 0.5 * float(self.weights @ sum(likelihood(self.error, self.covariance(values))))
+        white, log_det, _ = whitened(self.error, self.covariance(values))
+        return 0.5 * float(self.weights @ (log_det + (white**2).sum(axis=0)))
 
 
 def _shares(parts: int) -> Array:
@@ -206,36 +208,30 @@ def _derivatives(data: _Data, values: Array) -> Tuple[Array, Array]:
     """
     Return the gradient of the cost, and the expected information.
 
-    With ``B_a = P^-1 A_a`` and ``w = P^-1 e``: ``g_a = (tr B_a - w^T A_a w) / 2`` and
-    ``I_ab = tr(B_a B_b) / 2`` (Harville 1977).
+    ``g_a = (tr C_a - z^T C_a z) / 2`` and ``I_ab = tr(C_a C_b) / 2`` (Harville 1977).
     """
-    inverse, weighted, pulls = _pulls(data, values)
-    ratios = inverse @ data.parts
-    gradient: Array = 0.5 * ((np.trace(ratios, axis1=2, axis2=3)
-                              - (weighted * pulls).sum(axis=2)) @ data.weights)
-    turned = (data.weights[:, None, None] * ratios).reshape(len(ratios), -1)
-    expected: Array = 0.5 * turned @ ratios.transpose(0, 1, 3, 2).reshape(len(ratios), -1).T
+    (x, y, theta), _, parts = whitened(data.error, data.covariance(values), data.parts)
+    squares = np.stack([
+        1.0 - x * x, -x * y, -x * theta, 1.0 - y * y, -y * theta, 1.0 - theta * theta])
+    counted = data.weights * TIMES
+    flat = parts.reshape(len(parts), -1)
+    gradient: Array = 0.5 * flat @ (counted * squares).ravel()
+    expected: Array = 0.5 * (parts * counted).reshape(len(parts), -1) @ flat.T
     return gradient, expected
-
-
-def _pulls(data: _Data, values: Array) -> Tuple[NDArray[np.floating[Any]], Array, Array]:
-    """Return P^-1, w = P^-1 e, and A_a w of each part."""
-    inverse = np.linalg.inv(data.covariance(values))
-    weighted = np.einsum('nij,nj->ni', inverse, data.error)
-    return inverse, weighted, (data.parts @ weighted[..., None])[..., 0]
 
 
 def _summary(data: _Data, values: Array, least: Array) -> Components:
     _, expected = _derivatives(data, values)
     _refuse_confounded(expected)
-    inverse, _, pulls = _pulls(data, values)  # observed: w^T A_a P^-1 A_b w less the expected
-    swung = (inverse @ pulls[..., None])[..., 0] * data.weights[:, None]
-    observed = pulls.reshape(len(pulls), -1) @ swung.reshape(len(swung), -1).T - expected
+    (x, y, theta), _, parts = whitened(data.error, data.covariance(values), data.parts)
+    xx, xy, xt, yy, yt, tt = parts.transpose(1, 0, 2)  # pulls: C_a z
+    pulls = np.concatenate([xx * x + xy * y + xt * theta, xy * x + yy * y + yt * theta,
+                            xt * x + yt * y + tt * theta], axis=1)
+    observed = (pulls * np.tile(data.weights, 3)) @ pulls.T - expected
     inside = bool((values > least).all()) and bool((np.linalg.eigvalsh(observed) > 0.0).all())
     errors = np.sqrt(np.diag(np.linalg.inv(observed if inside else expected)))
-    quadratic = likelihood(data.error, data.covariance(values))[1]
-    return Components(
-        values.tolist(), errors.tolist(), -data.cost(values), float(quadratic.mean()) / 3.0)
+    nees = float((x * x + y * y + theta * theta).mean()) / 3.0
+    return Components(values.tolist(), errors.tolist(), -data.cost(values), nees)
 
 
 def _refuse_confounded(information: Array) -> None:

@@ -19,10 +19,9 @@ The error of a window is the relative pose of the robot's centre as the referenc
 that of wheel odometry, in the frame of the window's start (as in :mod:`.slip_fit`).
 
 A wheel that travels an element more at (x, y, theta) on the way moves the end (x_e, y_e) by
-``M_e a``, ``a_{l,r} = (cos(theta) / 2 -+ y / L, sin(theta) / 2 +- x / L, -+1 / L)``,
-``M_e = [[1, 0, -y_e], [0, 1, x_e], [0, 0, 1]]``.  As ``a`` does not depend on the window, the
-derivatives with respect to radii and separation, and the slip covariances A_l and A_r, of all
-windows are differences of a few cumulative sums.
+``M_e a``, with a of :mod:`.interval_sums` and ``M_e = [[1, 0, -y_e], [0, 1, x_e], [0, 0, 1]]``.
+As ``a`` does not depend on the window, the derivatives with respect to radii and separation, and
+the slip covariances A_l and A_r, of all windows are differences of a few cumulative sums.
 """
 
 from dataclasses import dataclass
@@ -30,7 +29,8 @@ from typing import Tuple
 
 from diffdrive_kinematics.core.calibration.calibration_parameters import CalibrationParameters
 from diffdrive_kinematics.core.calibration.drive_odometry import (
-    calibrated_travel, Nodes, nodes_of, path_of, since_middle)
+    calibrated_travel, nodes_of, path_of, since_middle)
+from diffdrive_kinematics.core.calibration.interval_sums import from_entries, interval_sums
 from diffdrive_kinematics.core.calibration.recorded_drive import RecordedDrive
 from diffdrive_kinematics.core.calibration.trajectory_windows import WindowSet
 from diffdrive_kinematics.core.kinematics import Array, WheelGeometry, wrap_angle
@@ -44,7 +44,7 @@ Indices = NDArray[np.intp]
 @dataclass(frozen=True)
 class WindowResiduals:
     """
-    Errors of the windows of a drive, and what moves them; w windows, n - 1 wheel intervals.
+    Errors of the w windows of a drive, and what moves them.
 
     Parameters
     ----------
@@ -58,8 +58,9 @@ class WindowResiduals:
         Derivatives with respect to errors (x, y, yaw) of the reference's samples.
     along : numpy.ndarray, shape (w, 3, 3)
         What maps the sum of the a of a window's travel to its error.
-    spread : numpy.ndarray, shape (n - 1, 3, 3)
-        Sum of ``|travel| a a^T`` over both wheels of each interval (see the head of this module).
+    passed : numpy.ndarray, shape (2, 6, w)
+        Spread (see :class:`.IntervalSums`) of the intervals before the first one of each window,
+        and of those up to its last one.
     first, last : numpy.ndarray of int, shape (w,)
         Intervals in which the windows start and end.
 
@@ -75,7 +76,7 @@ class WindowResiduals:
     at_start: Array
     at_end: Array
     along: Array
-    spread: Array
+    passed: Array
     first: Indices
     last: Indices
 
@@ -137,16 +138,12 @@ def linearised(
     path = path_of(travel, separation)
     nodes = nodes_of(drive, systematic, travel, separation, path)
     start, end = windows.start, windows.end
-    elements = _elements(path, separation)
-    turn = (travel[:, 1] - travel[:, 0]) / separation
-    pivot = 0.5 * separation * (elements[:, 1] - elements[:, 0])
-    moves = np.stack([elements[:, 0] * (travel[:, :1] / systematic.left),
-                      elements[:, 1] * (travel[:, 1:] / systematic.right),
-                      pivot * (-turn / systematic.separation)[:, None]], axis=2)
-    spread = np.einsum('nw,nwi,nwj->nij', np.abs(travel), elements, elements)
+    before, within = interval_sums(nodes, path, travel, separation, systematic)
+    until = before + nodes.fraction * within
+    sums = until[:, end] - until[:, start]
     along = rotations(-nodes.pose[start, 2]) @ pose_jacobians(*nodes.pose[end, :2].T)
-    by_wheels = along @ _sums(moves, nodes, start, end)
-    slip = along @ _sums(spread, nodes, start, end) @ along.transpose(0, 2, 1)
+    by_wheels = along @ sums[:9].reshape(3, 3, -1).transpose(2, 0, 1)
+    slip = along @ from_entries(sums[9:]) @ along.transpose(0, 2, 1)
     wheels, back = _relative(nodes.pose, start, end)
     by_time = _moved(nodes.twist, nodes.pose, back, wheels, start, end)
     late = since_middle(drive)[:, None]
@@ -156,29 +153,9 @@ def linearised(
     error[:, 2] = wrap_angle(error[:, 2])
     jacobian = np.concatenate(
         [-by_wheels, by_frame, by_time[..., None], by_drift[..., None]], axis=2)
-    return WindowResiduals(error, jacobian, slip, at_start, at_end, along, spread,
+    passed = np.stack([before[9:, start], before[9:, end] + within[9:, end]])
+    return WindowResiduals(error, jacobian, slip, at_start, at_end, along, passed,
                            nodes.interval[start], nodes.interval[end])
-
-
-def _elements(path: Array, separation: float) -> Array:
-    """Return a of each interval and wheel, shape (n - 1, 2, 3), at the middle of the interval."""
-    x, y, theta = (0.5 * (path[1:] + path[:-1])).T
-    half, lever = 0.5 * np.stack([np.cos(theta), np.sin(theta)]), np.stack([y, -x]) / separation
-    turn = np.full(len(x), 1.0 / separation)
-    return np.stack([np.vstack([half - lever, -turn]).T, np.vstack([half + lever, turn]).T], 1)
-
-
-def _sums(rows: Array, nodes: Nodes, start: Indices, end: Indices) -> Array:
-    """Return the sums of rows of intervals over each window, with parts of the outer ones."""
-    total = np.zeros((len(rows) + 1, *rows.shape[1:]))
-    np.cumsum(rows, axis=0, out=total[1:])
-
-    def until(sample: Indices) -> Array:
-        interval, part = nodes.interval[sample], nodes.fraction[sample, None, None]
-        found: Array = total[interval] + part * rows[interval]
-        return found
-
-    return until(end) - until(start)
 
 
 def _relative(poses: Array, start: Indices, end: Indices) -> Tuple[Array, Array]:

@@ -34,6 +34,7 @@ from diffdrive_kinematics.core.noise.matrices import pose_jacobians, rotations
 from diffdrive_kinematics.core.noise.noise import (
     check_slip_model, effective_ratio, sample_travel, SLIP_MODELS, travel_variance, WheelSlip)
 from diffdrive_kinematics.core.noise.outline import outer_boundary
+from diffdrive_kinematics.core.noise.path_arcs import arcs_along, ArcsAlong
 from diffdrive_kinematics.core.noise.planar import (
     planar_covariance, planar_pose, yaw_from_quaternion)
 from diffdrive_kinematics.core.noise.polygons import area, perimeter, simplified
@@ -53,17 +54,17 @@ from diffdrive_kinematics.core.noise.step_noise import (
 from diffdrive_kinematics.core.noise.twist_covariance import twist_covariance, TwistCovariance
 
 __all__ = [
-    'BodySlip', 'CERTAIN', 'DISTRIBUTIONS', 'GAUSSIAN', 'HeadingMoments', 'NO_BODY_SLIP',
-    'NO_COVARIANCE', 'NO_SESSION', 'PoseCovariance', 'PoseMoments', 'Projected', 'SLIP_MODELS',
-    'SessionBelief', 'SessionError', 'SessionSpread', 'Stage', 'StepNoise', 'TwistCovariance',
-    'WheelSlip', 'arc_moments', 'area', 'body_covariance_along', 'body_variances',
-    'check_distribution', 'check_session_fraction', 'check_slip_model', 'covariance_along',
-    'draw_session', 'draw_unit', 'effective_ratio', 'followed', 'gaussian_moments',
-    'heading_moments', 'heading_variance', 'lateral_variances', 'moved_covariance',
-    'outer_boundary', 'perimeter', 'planar_covariance', 'planar_pose', 'pose_jacobians',
-    'projected', 'propagate', 'propagated_covariance', 'propagated_moments', 'reachable_set',
-    'reachable_set_from_slip', 'rotations', 'sample_heading', 'sample_paths', 'sample_travel',
-    'second_moment_after', 'session_generator', 'simplified', 'slip_covariance', 'slip_on_arc',
-    'stage_from_slip', 'step_noise', 'travel_in_session', 'travel_of_command', 'travel_variance',
-    'twist_covariance', 'unit_bound', 'von_mises_moments', 'with_pivots_joined',
-    'yaw_from_quaternion']
+    'ArcsAlong', 'BodySlip', 'CERTAIN', 'DISTRIBUTIONS', 'GAUSSIAN', 'HeadingMoments',
+    'NO_BODY_SLIP', 'NO_COVARIANCE', 'NO_SESSION', 'PoseCovariance', 'PoseMoments',
+    'Projected', 'SLIP_MODELS', 'SessionBelief', 'SessionError', 'SessionSpread', 'Stage',
+    'StepNoise', 'TwistCovariance', 'WheelSlip', 'arc_moments', 'arcs_along', 'area',
+    'body_covariance_along', 'body_variances', 'check_distribution', 'check_session_fraction',
+    'check_slip_model', 'covariance_along', 'draw_session', 'draw_unit', 'effective_ratio',
+    'followed', 'gaussian_moments', 'heading_moments', 'heading_variance', 'lateral_variances',
+    'moved_covariance', 'outer_boundary', 'perimeter', 'planar_covariance', 'planar_pose',
+    'pose_jacobians', 'projected', 'propagate', 'propagated_covariance', 'propagated_moments',
+    'reachable_set', 'reachable_set_from_slip', 'rotations', 'sample_heading', 'sample_paths',
+    'sample_travel', 'second_moment_after', 'session_generator', 'simplified',
+    'slip_covariance', 'slip_on_arc', 'stage_from_slip', 'step_noise', 'travel_in_session',
+    'travel_of_command', 'travel_variance', 'twist_covariance', 'unit_bound',
+    'von_mises_moments', 'with_pivots_joined', 'yaw_from_quaternion']

@@ -20,13 +20,12 @@ As :mod:`.covariance_along`, to first order: linear in the constants, which is w
 
 from typing import Tuple
 
-from diffdrive_kinematics.core.kinematics import Array, WheelGeometry
-from diffdrive_kinematics.core.noise.arc_means import arc_means_of_all
-from diffdrive_kinematics.core.noise.path_arcs import arcs_along
+from diffdrive_kinematics.core.kinematics import Array
+from diffdrive_kinematics.core.noise.path_arcs import ArcsAlong
 import numpy as np
 
 
-def body_covariance_along(geometry: WheelGeometry, travel: Array) -> Array:
+def body_covariance_along(arcs: ArcsAlong) -> Array:
     """
     Return the covariances that the slip of the body makes of a path, for constants of 1.
 
@@ -36,10 +35,8 @@ def body_covariance_along(geometry: WheelGeometry, travel: Array) -> Array:
 
     Parameters
     ----------
-    geometry : WheelGeometry
-        Only its separation counts.
-    travel : numpy.ndarray, shape (n, 2)
-        Finite travel (d_l, d_r) [m] of each of n >= 1 arcs, in order.
+    arcs : ArcsAlong
+        The path, as of :func:`.arcs_along`.
 
     Returns
     -------
@@ -51,25 +48,27 @@ def body_covariance_along(geometry: WheelGeometry, travel: Array) -> Array:
     --------
     A straight metre of twenty rows:
 
+    >>> from diffdrive_kinematics.core.kinematics import WheelGeometry
+    >>> from diffdrive_kinematics.core.noise import arcs_along
     >>> linear, turn, heading = body_covariance_along(
-    ...     WheelGeometry(0.5, 0.125), np.full((20, 2), 0.05))
+    ...     arcs_along(WheelGeometry(0.5, 0.125), np.full((20, 2), 0.05)))
     >>> f'{linear[0, 0]:.1f} {turn[2, 2]:.1f} {heading[2, 2]:.1f} {heading[1, 1]:.3f}'
     '1.0 0.0 1.0 0.333'
 
     """
-    arcs = arcs_along(geometry, travel)
-    return arcs.gathered(_added(arcs.distance, arcs.turn, arcs.chord, arcs.half))
+    return arcs.gathered(_added(arcs))
 
 
-def _added(distance: Array, turn: Array, chord: Array, half: Array) -> Tuple[Array, ...]:
+def _added(arcs: ArcsAlong) -> Tuple[Array, ...]:
     """Return what each arc adds, in the axes of its middle direction, six times shape (3, n)."""
-    e_mean, e_square, sine_square = arc_means_of_all(half)
+    e_mean, e_square, sine_square = arcs.means
+    distance, half = arcs.distance, arcs.half
     none, one = np.zeros_like(half), np.ones_like(half)
     bow = half * half * sine_square
-    middle, across = -0.5 * distance * e_mean, 0.5 * chord
+    middle, across = -0.5 * distance * e_mean, 0.5 * arcs.chord
     of_distance = 1.0 - bow, none, none, bow, none, none
     of_heading = (0.25 * distance**2 * e_square, middle * across, middle,
                   across**2 + 0.25 * distance**2 * sine_square, across, one)
-    along, around = np.abs(distance), np.abs(turn)
+    along, around = np.abs(distance), np.abs(arcs.turn)
     return tuple(np.stack([along * a, around * b, along * b])
                  for a, b in zip(of_distance, of_heading))

@@ -21,53 +21,50 @@ each arc's part is swung by all the motion that is left, and the parts are added
 
 from typing import Tuple
 
-from diffdrive_kinematics.core.kinematics import Array, Pose, WheelGeometry
-from diffdrive_kinematics.core.noise.arc_means import arc_means_of_all
-from diffdrive_kinematics.core.noise.path_arcs import arcs_along
+from diffdrive_kinematics.core.kinematics import Array
+from diffdrive_kinematics.core.noise.path_arcs import ArcsAlong
 import numpy as np
 
 
-def covariance_along(geometry: WheelGeometry, travel: Array) -> Tuple[Pose, Array]:
+def covariance_along(arcs: ArcsAlong) -> Array:
     """
-    Return the pose after a path, and its covariance for a slip variance of 1 m of either wheel.
+    Return the covariance of the pose after a path, for a slip variance of 1 m of either wheel.
 
     Parameters
     ----------
-    geometry : WheelGeometry
-        Only its separation counts.
-    travel : numpy.ndarray, shape (n, 2)
-        Finite travel (d_l, d_r) [m] of each of n >= 1 arcs, in order.
+    arcs : ArcsAlong
+        The path, as of :func:`.arcs_along`.
 
     Returns
     -------
-    pose : Pose
-        In the frame of the start, the heading not wrapped.
-    covariance : numpy.ndarray, shape (2, 3, 3)
-        In the same frame, of the slip of the left and of the right wheel: that of both is their
-        sum, each times its slip variance per metre [m].
+    numpy.ndarray, shape (2, 3, 3)
+        In the frame of the start, of the slip of the left and of the right wheel: that of both
+        is their sum, each times its slip variance per metre [m].
 
     Examples
     --------
     A straight metre of twenty rows, with k = 1e-4 m of both wheels:
 
-    >>> pose, (left, right) = covariance_along(WheelGeometry(0.5, 0.125), np.full((20, 2), 0.05))
+    >>> from diffdrive_kinematics.core.kinematics import WheelGeometry
+    >>> from diffdrive_kinematics.core.noise import arcs_along
+    >>> left, right = covariance_along(
+    ...     arcs_along(WheelGeometry(0.5, 0.125), np.full((20, 2), 0.05)))
     >>> f'Var theta = {(1e-4 * left + 1e-4 * right)[2, 2]:.1e} rad^2'
     'Var theta = 8.0e-04 rad^2'
 
     """
-    arcs = arcs_along(geometry, travel)
-    pose = Pose(float(arcs.x[-1]), float(arcs.y[-1]), float(arcs.theta[-1]))
-    return pose, arcs.gathered(_added(geometry.separation, travel.T, arcs.chord, arcs.half))
+    return arcs.gathered(_added(arcs))
 
 
-def _added(separation: float, travel: Array, chord: Array, half: Array) -> Tuple[Array, ...]:
+def _added(arcs: ArcsAlong) -> Tuple[Array, ...]:
     """Return what each arc adds, in the axes of its middle direction, six times shape (2, n)."""
-    e_mean, e_square, sine_square = arc_means_of_all(half)
-    cosine, sign = np.cos(half), np.array([[-1.0], [1.0]])
+    e_mean, e_square, sine_square = arcs.means
+    separation, travel = arcs.separation, arcs.travel.T
+    cosine, sign = np.cos(arcs.half), np.array([[-1.0], [1.0]])
     variance = np.abs(travel)
     lever = -sign * travel[::-1] / (2.0 * separation)
     along = 0.5 * cosine + lever * e_mean
-    across = chord / (2.0 * separation)
+    across = arcs.chord / (2.0 * separation)
     return (
         variance * (0.25 * cosine**2 + lever * (cosine * e_mean + lever * e_square)),
         variance * sign * across * along,

@@ -78,7 +78,8 @@ def pose_jacobians(x: Array, y: Array) -> Array:
     return matrix
 
 
-def gathered(added: Tuple[Array, ...], way: Array, x: Array, y: Array) -> Array:
+def gathered(
+        added: Tuple[Array, ...], cosine: Array, sine: Array, x: Array, y: Array) -> Array:
     """
     Return the sum of covariances that arcs add, each swung by the motion that follows it.
 
@@ -89,8 +90,8 @@ def gathered(added: Tuple[Array, ...], way: Array, x: Array, y: Array) -> Array:
     ----------
     added : tuple of numpy.ndarray, shape (..., n)
         Entries xx, xy, xt, yy, yt, tt of each arc's A, in the axes of its direction.
-    way : numpy.ndarray, shape (n,)
-        Directions [rad] of the arcs.
+    cosine, sine : numpy.ndarray, shape (n,)
+        Of the directions of the arcs.
     x, y : numpy.ndarray, shape (n,)
         The motion [m] after each arc.
 
@@ -104,18 +105,18 @@ def gathered(added: Tuple[Array, ...], way: Array, x: Array, y: Array) -> Array:
     An error of the heading of 1e-4 rad^2 and a metre along x after it:
 
     >>> zero, one = np.zeros(1), np.ones(1)
-    >>> gathered((zero, zero, zero, zero, zero, 1e-4 * one), zero, one, zero)
+    >>> gathered((zero, zero, zero, zero, zero, 1e-4 * one), one, zero, one, zero)
     array([[0.    , 0.    , 0.    ],
            [0.    , 0.0001, 0.0001],
            [0.    , 0.0001, 0.0001]])
 
     """
     xx, xy, xt, yy, yt, tt = added
-    cos, sin = np.cos(way), np.sin(way)
-    mixed = 2.0 * cos * sin * xy
-    turned_xy = cos * sin * (xx - yy) + (cos * cos - sin * sin) * xy
-    xx, yy = (cos * cos * xx - mixed + sin * sin * yy, sin * sin * xx + mixed + cos * cos * yy)
-    xt, yt = cos * xt - sin * yt, sin * xt + cos * yt
+    both, along, across = cosine * sine, cosine * cosine, sine * sine
+    mixed = 2.0 * both * xy
+    turned_xy = both * (xx - yy) + (along - across) * xy
+    xx, yy = along * xx - mixed + across * yy, across * xx + mixed + along * yy
+    xt, yt = cosine * xt - sine * yt, sine * xt + cosine * yt
     total = np.empty((*tt.shape[:-1], 3, 3))
     total[..., 0, 0] = (xx - y * (2.0 * xt - y * tt)).sum(axis=-1)
     total[..., 1, 1] = (yy + x * (2.0 * yt + x * tt)).sum(axis=-1)

@@ -17,7 +17,8 @@
 from typing import NamedTuple, Tuple
 
 from diffdrive_kinematics.core.kinematics import (
-    Array, pose_change_from_travel, sinc, WheelGeometry)
+    Array, Pose, pose_change_from_travel, sinc, WheelGeometry)
+from diffdrive_kinematics.core.noise.arc_means import arc_means_of_all
 from diffdrive_kinematics.core.noise.matrices import gathered
 import numpy as np
 
@@ -28,12 +29,18 @@ class ArcsAlong(NamedTuple):
 
     Parameters
     ----------
+    separation : float
+        Distance between the wheels [m].
+    travel : numpy.ndarray, shape (n, 2)
+        Travel (d_l, d_r) [m] of each.
     distance, turn, half, chord : numpy.ndarray, shape (n,)
         Length [m], turn and half of it [rad], and chord [m] of each.
-    way : numpy.ndarray, shape (n,)
-        Its middle direction [rad].
+    cosine, sine : numpy.ndarray, shape (n,)
+        Of its middle direction.
     x, y, theta : numpy.ndarray, shape (n,)
         The pose at its end [m, rad].
+    means : tuple of numpy.ndarray, shape (n,)
+        As of :func:`.arc_means_of_all`.
 
     Examples
     --------
@@ -41,14 +48,23 @@ class ArcsAlong(NamedTuple):
 
     """
 
+    separation: float
+    travel: Array
     distance: Array
     turn: Array
     half: Array
     chord: Array
-    way: Array
+    cosine: Array
+    sine: Array
     x: Array
     y: Array
     theta: Array
+    means: Tuple[Array, Array, Array]
+
+    @property
+    def end(self) -> Pose:
+        """Return the pose after the path, in the frame of its start, the heading not wrapped."""
+        return Pose(float(self.x[-1]), float(self.y[-1]), float(self.theta[-1]))
 
     def gathered(self, added: Tuple[Array, ...]) -> Array:
         """
@@ -69,7 +85,8 @@ class ArcsAlong(NamedTuple):
         See :func:`arcs_along`.
 
         """
-        return gathered(added, self.way, self.x[-1] - self.x, self.y[-1] - self.y)
+        return gathered(
+            added, self.cosine, self.sine, self.x[-1] - self.x, self.y[-1] - self.y)
 
 
 def arcs_along(geometry: WheelGeometry, travel: Array) -> ArcsAlong:
@@ -81,7 +98,7 @@ def arcs_along(geometry: WheelGeometry, travel: Array) -> ArcsAlong:
     geometry : WheelGeometry
         Only its separation counts.
     travel : numpy.ndarray, shape (n, 2)
-        Finite travel (d_l, d_r) [m] of each arc, in order.
+        Finite travel (d_l, d_r) [m] of each of n >= 1 arcs, in order.
 
     Returns
     -------
@@ -93,13 +110,15 @@ def arcs_along(geometry: WheelGeometry, travel: Array) -> ArcsAlong:
     Two arcs straight ahead, and an error of the heading of 1e-4 rad^2 in each:
 
     >>> arcs, zero = arcs_along(WheelGeometry(0.5, 0.125), np.full((2, 2), 0.5)), np.zeros(2)
-    >>> arcs.x, float(arcs.gathered((*5 * (zero,), np.full(2, 1e-4)))[2, 2])
-    (array([0.5, 1. ]), 0.0002)
+    >>> arcs.end, float(arcs.gathered((*5 * (zero,), np.full(2, 1e-4)))[2, 2])
+    (Pose(x=1.0, y=0.0, theta=0.0), 0.0002)
 
     """
     distance, turn = pose_change_from_travel(geometry, *travel.T)
     half = 0.5 * turn
     theta = np.cumsum(turn)
     way, chord = theta - half, distance * sinc(half)
-    x, y = np.cumsum(chord * np.cos(way)), np.cumsum(chord * np.sin(way))
-    return ArcsAlong(distance, turn, half, chord, way, x, y, theta)
+    cosine, sine = np.cos(way), np.sin(way)
+    return ArcsAlong(
+        geometry.separation, travel, distance, turn, half, chord, cosine, sine,
+        np.cumsum(chord * cosine), np.cumsum(chord * sine), theta, arc_means_of_all(half))

@@ -106,7 +106,7 @@ def maxima(windows):
     """Return the costs [1] at which searches from many starts end, the law being the wheels'."""
     stack = stacked_windows(windows, 5)
     parts = np.stack([*slip_parts(stack, ('wheels',), equal=True), stack.position, stack.heading])
-    data = _Data(stack.error, parts, np.zeros_like(stack.left), np.ones(len(windows)))
+    data = _Data.of(stack.error, parts, np.zeros_like(stack.left), np.ones(len(windows)))
     scale, generator = _scales(stack.error, parts), np.random.default_rng(1)
     least = np.array([1e-12, 1e-8, 1e-8])
     starts = [scale * 10.0**generator.uniform(-4.0, 0.3, 3) for _ in range(12)]

@@ -18,8 +18,9 @@ import math
 
 from diffdrive_kinematics.core.kinematics import advance, Command, Pose, WheelGeometry
 from diffdrive_kinematics.core.noise import (
-    body_covariance_along, body_variances, BodySlip, CERTAIN, DISTRIBUTIONS, NO_BODY_SLIP,
-    propagate, propagated_moments, sample_paths, slip_on_arc, twist_covariance, WheelSlip)
+    arcs_along, body_covariance_along, body_variances, BodySlip, CERTAIN, DISTRIBUTIONS,
+    NO_BODY_SLIP, propagate, propagated_moments, sample_paths, slip_on_arc, twist_covariance,
+    WheelSlip)
 from hypothesis import given, settings, strategies as st
 import numpy as np
 import pytest
@@ -104,7 +105,7 @@ def test_small_slip_of_a_path_has_the_covariance_of_first_order(body):
     for row in rows:
         pose, moments = propagated_moments(
             moments, pose, GEOMETRY, *row, 0.0, 0.0, BodySlip(*constants))
-    gathered = np.einsum('k,kij->ij', constants, body_covariance_along(GEOMETRY, rows))
+    gathered = np.einsum('k,kij->ij', constants, body_covariance_along(arcs_along(GEOMETRY, rows)))
     scale = np.sqrt(np.maximum(np.diag(gathered), 1e-20))
     assert moments.second_moment().matrix() / np.outer(scale, scale) == pytest.approx(
         gathered / np.outer(scale, scale), abs=1e-7)

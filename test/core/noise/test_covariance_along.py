@@ -15,7 +15,8 @@
 """Covariance along a whole path beside that of one arc after another."""
 
 from diffdrive_kinematics.core.kinematics import Pose, WheelGeometry
-from diffdrive_kinematics.core.noise import covariance_along, NO_COVARIANCE, propagated_covariance
+from diffdrive_kinematics.core.noise import (
+    arcs_along, covariance_along, NO_COVARIANCE, propagated_covariance)
 from hypothesis import given, strategies as st
 import numpy as np
 import pytest
@@ -29,7 +30,8 @@ travels = st.one_of(
 @given(st.lists(st.tuples(travels, travels), min_size=1, max_size=12))
 def test_all_arcs_at_once_give_what_they_give_one_after_another(rows):
     """Straights, turns in place, arcs of several turns, and turns where the series ends."""
-    pose, covariance = covariance_along(GEOMETRY, np.array(rows))
+    arcs = arcs_along(GEOMETRY, np.array(rows))
+    pose, covariance = arcs.end, covariance_along(arcs)
     for side, slip in enumerate(((1.0, 0.0), (0.0, 1.0))):
         at, expected = Pose(0.0, 0.0, 0.0), NO_COVARIANCE
         for row in rows:
