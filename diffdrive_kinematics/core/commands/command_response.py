@@ -28,7 +28,7 @@ from dataclasses import dataclass
 import math
 from typing import NamedTuple, Tuple
 
-from diffdrive_kinematics.core.commands.turn_loss import share_kept
+from diffdrive_kinematics.core.commands.turn_loss import share_kept, table_share
 from diffdrive_kinematics.core.commands.wheel_command import STILL, Twist
 from diffdrive_kinematics.core.kinematics import Array, check_duration, check_positive
 import numpy as np
@@ -167,9 +167,7 @@ class CommandResponse:
         """
         k = np.asarray(curvature, dtype=np.float64)
         kept = share_kept(self.turn_loss * k, self.turn_loss_order)
-        if self.curvatures:
-            kept = kept * np.interp(np.abs(k), self.curvatures, self.shares)
-        return kept
+        return kept * table_share(np.abs(k), self.curvatures, self.shares)
 
     def motion_of(self, command: Twist) -> Twist:
         """
@@ -197,7 +195,9 @@ class CommandResponse:
     def _speed(self, v: float, w: float) -> float:
         if abs(v) < NO_SPEED:
             return 0.0
-        return self.speed_gain * v * float(self.share(w / v))
+        k = w / v
+        kept = share_kept(self.turn_loss * k, self.turn_loss_order)
+        return self.speed_gain * v * kept * table_share(abs(k), self.curvatures, self.shares)
 
     def command_for(self, motion: Twist, *, most: float = math.inf) -> CommandFor:
         """

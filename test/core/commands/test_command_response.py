@@ -54,6 +54,18 @@ def test_the_inverse_gives_the_command_back(response):
 
 
 @each
+def test_one_command_is_answered_in_plain_floats_as_many_are_in_arrays(response):
+    """Numbers of numpy cost several times more, and a command takes some forty steps."""
+    for v, w in GRID:
+        if v:
+            motion = response.motion_of(Twist(v, w))
+            asked = response.command_for(motion).command
+            assert type(motion.v) is float and type(asked.v) is float
+            share = response.share(np.array([w / v]))[0]
+            assert motion.v == pytest.approx(response.speed_gain * v * share, rel=1e-14)
+
+
+@each
 def test_backward_is_the_mirror_image_of_forward(response):
     for v, w in GRID:
         there, back = response.motion_of(Twist(v, w)), response.motion_of(Twist(-v, -w))
