@@ -14,6 +14,7 @@
 
 """How far it is, on a terminal, in one line that is written over and over."""
 
+import os
 import shutil
 import sys
 import time
@@ -44,7 +45,8 @@ class Progress:
     def __call__(self, text: str, *, begins: bool = False) -> None:
         """Say how far it is; more than five times a second is shown only where work begins."""
         if self._due(begins=begins):
-            self._write(f'\r{text}, {time.monotonic() - self._began:.0f} s\x1b[K')
+            since = f', {time.monotonic() - self._began:.0f} s'
+            self._write(f'\r{text[:self._width() - len(since)]}{since}\x1b[K')
 
     def _due(self, *, begins: bool = False) -> bool:
         now = time.monotonic()
@@ -52,6 +54,14 @@ class Progress:
             return False
         self._next = now + PERIOD_S
         return True
+
+    def _width(self) -> int:
+        """Return how many characters a line may have: with more it would become two."""
+        try:
+            columns = os.get_terminal_size(self._stream.fileno()).columns
+        except (OSError, ValueError):
+            columns = 0
+        return (columns or shutil.get_terminal_size().columns) - 1
 
     def __enter__(self) -> 'Progress':
         """Begin."""
@@ -89,8 +99,7 @@ class LiveLine(Progress):
     def __call__(self, text: Callable[[], str]) -> None:
         """Show what ``text`` returns, which is called up to five times a second."""
         if self._due():
-            width = shutil.get_terminal_size().columns - 1
-            self._write(f'{text()[:width]}\x1b[K\r')
+            self._write(f'{text()[:self._width()]}\x1b[K\r')
 
     def clear(self) -> None:
         """Clear the line, for one that stays."""

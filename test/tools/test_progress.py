@@ -14,9 +14,14 @@
 
 """What is shown while something takes long: on terminals only."""
 
+import fcntl
 import io
+import os
+import struct
+import termios
 
 from diffdrive_kinematics.tools.progress import LiveLine, Progress
+import pytest
 
 
 class Terminal(io.StringIO):
@@ -34,6 +39,18 @@ def test_a_terminal_sees_one_line_that_is_cleared_at_the_end():
     text = terminal.getvalue()
     assert text.startswith('\rdrive.csv: 4096 rows, 0 s') and 'fitting, 0 s' in text
     assert '8192' not in text and text.endswith('\r\x1b[K') and '\n' not in text
+
+
+@pytest.mark.parametrize('kind', [Progress, LiveLine])
+def test_a_line_is_cut_to_the_width_of_its_own_terminal(kind, monkeypatch):
+    """A longer one would become two, of which only the second is written over."""
+    monkeypatch.setenv('COLUMNS', '200')  # of another terminal
+    reader, writer = os.openpty()
+    fcntl.ioctl(writer, termios.TIOCSWINSZ, struct.pack('HHHH', 24, 40, 0, 0))
+    with os.fdopen(writer, 'w') as terminal, os.fdopen(reader, 'rb') as screen:
+        kind(terminal)('x' * 100 if kind is Progress else lambda: 'x' * 100)
+        line = screen.read1().decode().strip('\r').removesuffix('\x1b[K')
+    assert len(line) == 39 and (kind is LiveLine or line.endswith('x, 0 s'))
 
 
 def test_what_is_no_terminal_sees_nothing():
