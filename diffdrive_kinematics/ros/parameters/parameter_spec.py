@@ -14,14 +14,15 @@
 
 """A parameter: its name, type, default and meaning, and what its value must satisfy."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 import enum
+import os
 from typing import Any, Optional
 
 from diffdrive_kinematics.ros.parameters.parameter_checks import (
     Check, check_optional_topic, check_topic)
 
-__all__ = ['Kind', 'ParameterSpec', 'string', 'topic']
+__all__ = ['Kind', 'ParameterSpec', 'file', 'string', 'topic']
 
 
 class Kind(enum.Enum):
@@ -46,12 +47,27 @@ class ParameterSpec:
     check: Optional[Check] = None
     read_only: bool = False
     required: bool = False
+    names_files: bool = False
+
+    def expanded(self, value: Any) -> Any:
+        """Return a value with the home directory for ``~`` where it names files."""
+        if not self.names_files or value is None:
+            return value
+        if isinstance(value, str):
+            return os.path.expanduser(value)
+        return tuple(map(os.path.expanduser, value))
 
 
 def string(
         name: str, default: str, description: str, check: Optional[Check] = None
 ) -> ParameterSpec:
     return ParameterSpec(name, default, description, Kind.STRING, check, read_only=True)
+
+
+def file(
+        name: str, default: str, description: str, check: Optional[Check] = None
+) -> ParameterSpec:
+    return replace(string(name, default, description, check), names_files=True)
 
 
 def topic(name: str, default: str, description: str, *, optional: bool = False) -> ParameterSpec:

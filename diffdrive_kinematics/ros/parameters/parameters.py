@@ -61,7 +61,7 @@ def coerce(entry: ParameterSpec, value: Any) -> Any:
     """
     if value is None and entry.kind in (Kind.STRINGS, Kind.DOUBLES):
         value = ()  # what an empty list in YAML becomes
-    accepted = _as_kind(entry.kind, value)
+    accepted = entry.expanded(_as_kind(entry.kind, value))
     if accepted is None:
         raise ValueError(f'{entry.name} is {value!r}, expected {entry.kind.value}')
     if entry.check is not None:

@@ -17,7 +17,7 @@
 from diffdrive_kinematics.core.kinematics import check_duration, check_positive, check_rate
 from diffdrive_kinematics.ros.parameters.parameter_checks import check_one_of, check_rounds
 from diffdrive_kinematics.ros.parameters.parameter_spec import (
-    Kind, ParameterSpec as Spec, string, topic)
+    file, Kind, ParameterSpec as Spec, string, topic)
 from diffdrive_kinematics.ros.parameters.tables.shared import (
     COMMANDS_OUT, DIAGNOSTICS, EXECUTOR, SQUARE)
 
@@ -25,9 +25,9 @@ COMMAND_SEQUENCE = (
     *COMMANDS_OUT,
     Spec('commands', [], 'The commands, each as speed v [m/s], yaw rate omega [rad/s] and '
          'duration [s], one after another in one flat list.', Kind.DOUBLES, read_only=True),
-    string('recording', '', 'Recording to play instead of commands: a CSV file (or .csv.gz) with '
-           'the columns time_sec,linear_x,angular_z, or a bag with cmd_vel_topic. The name of an '
-           'installed file begins with package://diffdrive_kinematics/.'),
+    file('recording', '', 'Recording to play instead of commands: a CSV file (or .csv.gz) with '
+         'the columns time_sec,linear_x,angular_z, or a bag with cmd_vel_topic. The name of an '
+         'installed file begins with package://diffdrive_kinematics/.'),
     *SQUARE,
     Spec('square_speed', 0.2, 'Speed [m/s] along the sides of the square.', check=check_positive,
          read_only=True),

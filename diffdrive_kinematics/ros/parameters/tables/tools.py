@@ -23,7 +23,7 @@ from diffdrive_kinematics.ros.parameters.parameter_checks import (
     check_one_of, check_optional_picture, check_picture, check_positive_or_nan,
     check_recording, check_seed, check_stages, check_step)
 from diffdrive_kinematics.ros.parameters.parameter_spec import (
-    Kind, ParameterSpec as Spec, string, topic)
+    file, Kind, ParameterSpec as Spec, string, topic)
 from diffdrive_kinematics.ros.parameters.tables.shared import (
     BIAS, DISTRIBUTION, ENCODER_RANGE, EXECUTOR, GEOMETRY, JOINTS, SEPARATION, SLIP, SQUARE, START)
 
@@ -65,21 +65,23 @@ PLOT_PATHS = (
     *BIAS, *SLIP,
     replace(DISTRIBUTION, description=DISTRIBUTION.description + ' That of the errors of '
             'commands has to be bounded: gaussian means uniform there.'),
-    string('output', 'paths.png', 'File to write, .png or .svg.', check_picture),
+    file('output', 'paths.png', 'File to write, .png or .svg.', check_picture),
     OVERWRITE)
 
 CALIBRATE = (
     *GEOMETRY, *JOINTS,
-    string('square_runs', '', 'CSV file with the columns clockwise,true_x,true_y,odom_x,odom_y '
-           'and one row for each run around a square.'),
+    file('square_runs', '', 'CSV file with the columns clockwise,true_x,true_y,odom_x,odom_y '
+         'and one row for each run around a square. Where it also has the columns square_side, '
+         'square_corner_radius, left_radius, right_radius or separation [m], all rows have to be '
+         'of the square and the wheels that the parameters say.'),
     *SQUARE,
     Spec('recordings', [], 'Recordings of drives: bags (directories, .mcap, .db3), or CSV files '
          'of motion with the column time_sec and one of the pairs linear_x,angular_z, '
          'left_rate,right_rate, left_position,right_position or left_ticks,right_ticks.',
-         Kind.STRINGS, read_only=True),
+         Kind.STRINGS, read_only=True, names_files=True),
     Spec('references', [], 'Bags, or CSV files with the columns time_sec,x,y,yaw, one for each '
          'of the recordings. None: the recordings hold the reference too.',
-         Kind.STRINGS, read_only=True),
+         Kind.STRINGS, read_only=True, names_files=True),
     Spec('encoder_resolution', 0.0, 'Ticks in one turn of a joint, for files with ticks.',
          check=check_non_negative, read_only=True),
     Spec('tick_increments', False, 'Ticks are counted since the row before, not since the start.',
@@ -111,9 +113,9 @@ CALIBRATE = (
          read_only=True),
     Spec('equal_slip', True, 'Fit one slip constant for both wheels.', Kind.BOOL,
          read_only=True),
-    string('output', 'calibration.yaml', 'Params file to write.', check_named),
-    string('picture', '', 'Picture of the errors before and after to write, .png or .svg. Empty: '
-           'none.', check_optional_picture),
+    file('output', 'calibration.yaml', 'Params file to write.', check_named),
+    file('picture', '', 'Picture of the errors before and after to write, .png or .svg. Empty: '
+         'none.', check_optional_picture),
     OVERWRITE,
     EXECUTOR)
 
@@ -127,8 +129,8 @@ ROBOT_DESCRIPTION = (
          check=check_non_negative_or_nan),
     Spec('wheel_width', math.nan, 'Width [m] of the wheels, above 0. NaN: half a radius.',
          check=check_positive_or_nan),
-    string('output', '', 'File to write instead of publishing: .urdf, or .yaml, a params file '
-           'for robot_state_publisher. Empty: publish.', check_description),
+    file('output', '', 'File to write instead of publishing: .urdf, or .yaml, a params file '
+         'for robot_state_publisher. Empty: publish.', check_description),
     OVERWRITE,
     EXECUTOR)
 
@@ -139,15 +141,16 @@ DIFFDRIVE_SIM = (
          'time.', check=check_step, read_only=True),
     Spec('real_time_factor', 0.0, 'Pace of the simulated clock over that of real time. 0: as '
          'fast as the nodes can follow.', check=check_non_negative, read_only=True),
-    string('record', '', 'File to record into: .csv with belief, truth, wheels and commands of '
-           'one robot 50 times a second, or .mcap with all that the nodes publish. Empty: none.',
-           check_recording),
-    string('square_runs', '', 'CSV file to which a row is added for each run around a square, '
-           'with the columns clockwise,true_x,true_y,odom_x,odom_y. It is made where it is '
-           'missing, whatever overwrite is. Empty: none.'),
-    string('calibration', '', 'Params file to write at the end, with a calibration from all rows '
-           'of square_runs. Empty: none.'),
-    string('picture', '', 'Picture of the path that was driven to write, .png or .svg. Empty: '
-           'none.', check_optional_picture),
+    file('record', '', 'File to record into: .csv with belief, truth, wheels and commands of '
+         'one robot 50 times a second, or .mcap with all that the nodes publish. Empty: none.',
+         check_recording),
+    file('square_runs', '', 'CSV file to which a row is added for each run around a square: where '
+         'it ended, and of which square and wheels it was. It is made where it is missing, '
+         'whatever overwrite is. One with rows of another square or other wheels is refused. '
+         'Empty: none.'),
+    file('calibration', '', 'Params file to write at the end, with a calibration from all rows '
+         'of square_runs. Empty: none.'),
+    file('picture', '', 'Picture of the path that was driven to write, .png or .svg. Empty: '
+         'none.', check_optional_picture),
     OVERWRITE,
     EXECUTOR)
