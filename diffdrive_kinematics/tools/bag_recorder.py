@@ -55,7 +55,7 @@ class BagRecorder:
     """
 
     def __init__(self, path: str, *, overwrite: bool) -> None:
-        check_writable(path, name='record', overwrite=overwrite, grows=True)
+        check_writable(path, name='record', overwrite=overwrite, regular=True)
         self._path, self._overwrite, self._failed = path, overwrite, ''
         self._directory = Path(part_of(path))
         self._writer: Any = _writer(str(self._directory))

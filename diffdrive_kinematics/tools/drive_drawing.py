@@ -57,7 +57,7 @@ class DrivePicture:
     """
 
     def __init__(self, path: str, *, overwrite: bool) -> None:
-        check_writable(path, name='picture', overwrite=overwrite)
+        check_writable(path, name='picture', overwrite=overwrite, regular=True)
         try:
             self._figure = new_figure(figsize=(WIDTH, WIDTH))
         except ImportError as error:

@@ -45,7 +45,7 @@ class GrowingFile:
     """
 
     def __init__(self, path: str, *, name: str, overwrite: bool) -> None:
-        check_writable(path, name=name, overwrite=overwrite, grows=True)
+        check_writable(path, name=name, overwrite=overwrite, regular=True)
         self._path, self._overwrite, self._failed = path, overwrite, ''
         self._part = write_beside(path, b'')
         self._file: TextIO = open(self._part, 'w', encoding='utf-8', newline='')

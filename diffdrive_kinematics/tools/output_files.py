@@ -17,7 +17,8 @@ Files that executables write: as a whole or not at all, and never over one that 
 
 Every file is written under another name beside its place, brought to the disk, and then renamed.
 A link is followed, and an old file keeps its mode and owner.  What is no file (a pipe, a
-terminal) is written to as it is, but for what grows, which has to be a file.
+terminal) is written to as it is, if somebody reads it; but what grows, and pictures, have to be
+files.
 """
 
 from contextlib import suppress
@@ -36,7 +37,7 @@ SHOWN = 40  # characters: names of files end at 255 bytes
 
 
 def check_writable(
-        path: str, *, name: str = 'output', overwrite: bool, grows: bool = False) -> None:
+        path: str, *, name: str = 'output', overwrite: bool, regular: bool = False) -> None:
     """
     Raise ``ValueError`` unless a file can be written there, without writing it.
 
@@ -48,15 +49,15 @@ def check_writable(
         Of the parameter that says so.
     overwrite : bool
         Whether a file that is there may be replaced.
-    grows : bool
-        Whether it is written bit by bit, for which a pipe or a device does not do.
+    regular : bool
+        Whether a pipe or a device does not do: for what grows bit by bit, and for pictures.
 
     """
     file = Path(path)
     if file.is_dir():
         raise ValueError(f'{name} is {path!r}, which is a directory, expected a file')
     if _is_special(path):
-        if grows:
+        if regular:
             raise ValueError(
                 f'{name} is {path!r}, which is a pipe or a device, expected a regular file')
         return
@@ -102,7 +103,7 @@ def write_files(files: Mapping[str, bytes], *, overwrite: bool) -> Tuple[str, ..
     try:
         for path, content in files.items():
             if _is_special(path):
-                Path(path).write_bytes(content)
+                _write_special(path, content)
             else:
                 waiting[path] = write_beside(path, content)
         for path in list(waiting):
@@ -188,6 +189,14 @@ def _is_special(path: str) -> bool:
     except OSError:
         return False
     return not (stat.S_ISREG(mode) or stat.S_ISDIR(mode))
+
+
+def _write_special(path: str, content: bytes) -> None:
+    """Write to what is no file; ``OSError`` if it is a pipe that nobody reads, without waiting."""
+    handle = os.open(path, os.O_WRONLY | os.O_NONBLOCK)
+    os.set_blocking(handle, True)
+    with os.fdopen(handle, 'wb') as file:
+        file.write(content)
 
 
 def write_beside(path: str, content: bytes, *, durable: bool = True) -> str:

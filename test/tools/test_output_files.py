@@ -104,6 +104,13 @@ def test_what_is_no_file_is_written_to_as_it_is(tmp_path):
     assert stat.S_ISFIFO(os.stat(pipe).st_mode)
 
 
+def test_a_pipe_that_nobody_reads_is_refused_instead_of_waited_for(tmp_path):
+    pipe = tmp_path / 'pipe'
+    os.mkfifo(pipe)
+    with pytest.raises(ValueError, match='pipe cannot be written: .*No such device'):
+        write_files({str(pipe): b'1'}, overwrite=False)
+
+
 @pytest.mark.parametrize('path, words', [
     ('', 'is a directory'), ('no/a', 'a directory that can be written'),
     ('file/a', 'a directory that can be written'), ('loop', 'a directory that can be written')])
@@ -161,7 +168,7 @@ def test_what_grows_is_refused_where_there_is_a_pipe_or_a_device(tmp_path, devic
     path = tmp_path / 'run.csv'
     path.symlink_to('/dev/full') if device else os.mkfifo(path)
     with pytest.raises(ValueError, match='^record is .*run.csv.* pipe or a device'):
-        check_writable(str(path), name='record', overwrite=True, grows=True)
+        check_writable(str(path), name='record', overwrite=True, regular=True)
 
 
 def test_a_file_that_is_not_complete_has_the_name_of_what_it_is_to_be(tmp_path):
