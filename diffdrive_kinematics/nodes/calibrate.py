@@ -33,13 +33,14 @@ from diffdrive_kinematics.ros.runtime.node import DiffDriveNode
 from diffdrive_kinematics.ros.runtime.output import exit_status, report
 from diffdrive_kinematics.ros.runtime.rclpy_private import MessageInfo
 from diffdrive_kinematics.ros.runtime.running import Interrupted, run, spin_node, Stop
-from diffdrive_kinematics.tools.calibration import Calibration, of_squares, table
+from diffdrive_kinematics.tools.calibration import Calibration, table
 from diffdrive_kinematics.tools.calibration_file import rendered
 from diffdrive_kinematics.tools.calibration_response import of_recordings
-from diffdrive_kinematics.tools.calibration_sources import read_drives, read_square_runs
+from diffdrive_kinematics.tools.calibration_sources import read_drives
 from diffdrive_kinematics.tools.collection import Collection
 from diffdrive_kinematics.tools.output_files import check_writable, write_files
 from diffdrive_kinematics.tools.progress import Progress
+from diffdrive_kinematics.tools.square_notes import calibration_of_runs
 from geometry_msgs.msg import PoseStamped
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import JointState
@@ -69,7 +70,8 @@ def build(values: Mapping[str, Any]) -> Config:
         raise ValueError('square_side is 0.0, expected the side [m] of the square of square_runs')
     for name in ('output', 'picture'):
         if values[name]:
-            check_writable(values[name], name=name, overwrite=values['overwrite'])
+            check_writable(values[name], name=name, overwrite=values['overwrite'],
+                           regular=name == 'picture')
     if values['output'] == values['picture']:
         raise ValueError(f"picture is {values['picture']!r}, expected another file than output")
     return Config(wheel_geometry(values), values)
@@ -182,11 +184,7 @@ def from_files(config: Config, progress: Progress) -> Calibration:
     """Return the calibration from the files of the parameters; ``ValueError`` if there is none."""
     values, geometry = config.values, config.geometry
     if values['square_runs']:
-        runs = read_square_runs(values['square_runs'], values['square_side'])
-        try:
-            return of_squares(values, geometry, *runs)
-        except ValueError as error:
-            raise ValueError(f"{values['square_runs']}: {error}") from error
+        return calibration_of_runs(values, geometry)
     drives, commands, remarks = read_drives(values, geometry, progress)
     progress('fitting', begins=True)
     calibration = of_recordings(

@@ -118,7 +118,8 @@ class DiffDriveSim(DiffDriveNode[Config]):
             publisher for node in (self, *self.members) for publisher in node.publishers])
         if path := self.parameters.values['square_runs']:
             self.keeping.note_squares(path, [
-                Squares(node.config.runs, node.elapsed_s) for node in self._sequences])
+                Squares(node.config.runs, node.elapsed_s, node.config.values)
+                for node in self._sequences])
 
     def kept(self) -> List[str]:
         """Complete what is kept of the drive; return a line on each."""
@@ -131,9 +132,8 @@ class DiffDriveSim(DiffDriveNode[Config]):
         values = self.parameters.values
         if not (values['calibration'] and self.finished()):
             return []
-        base = next(base for base, fed in self._bases() if not fed)
-        return square_calibration(
-            {**self._sequences[0].config.values, **values}, base.config.geometry)
+        geometry = next(base.config.geometry for base, fed in self._bases() if not fed)
+        return square_calibration({**self._sequences[0].config.values, **values}, geometry)
 
     def _now_ns(self) -> int:
         return self.members[0].runtime.now_ns()

@@ -12,27 +12,25 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""What ``calibrate`` reads: measured runs around a square, and recorded drives."""
+"""What ``calibrate`` reads of recorded drives."""
 
-import math
 from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Sequence, Tuple
 
 from diffdrive_kinematics.core.calibration import (
     drive_from_commands, drive_from_positions, drive_from_rates, drive_from_ticks,
-    RecordedDrive, ReturnError)
+    RecordedDrive)
 from diffdrive_kinematics.core.kinematics import Array, LARGEST, Pose, WheelGeometry
 from diffdrive_kinematics.tools.bag_drives import add_bag, COMMANDS, Read
 from diffdrive_kinematics.tools.bags import is_bag
 from diffdrive_kinematics.tools.collection import Collection
 from diffdrive_kinematics.tools.plausible import check_stamps, check_units
 from diffdrive_kinematics.tools.recordings import (
-    check_columns, COMMAND_COLUMNS, Header, nobody, read_chosen, read_columns)
+    check_columns, COMMAND_COLUMNS, Header, nobody, read_chosen)
 import numpy as np
 
-__all__ = ['Drives', 'MOTIONS', 'read_drives', 'read_square_runs']
+__all__ = ['Drives', 'MOTIONS', 'read_drives']
 
 REFERENCE_COLUMNS = ('time_sec', 'x', 'y', 'yaw')
-SQUARE_COLUMNS = ('clockwise', 'true_x', 'true_y', 'odom_x', 'odom_y')
 MOTIONS: Dict[str, Tuple[str, ...]] = {
     COMMANDS: COMMAND_COLUMNS,
     'wheel_rates': ('time_sec', 'left_rate', 'right_rate'),
@@ -57,36 +55,6 @@ class _Motion(NamedTuple):
     kind: str
     rows: Array
     reference: Array
-
-
-def read_square_runs(path: str, side: float) -> Tuple[List[ReturnError], List[ReturnError]]:
-    """
-    Return the return errors (clockwise, counterclockwise) of a CSV file of runs.
-
-    Raises
-    ------
-    ValueError
-        If the file cannot be read or has no runs, ``clockwise`` is neither 0 nor 1, or an error
-        is larger than the side [m] of the square.
-
-    """
-    found: Tuple[List[ReturnError], List[ReturnError]] = ([], [])
-    rows = read_columns(path, SQUARE_COLUMNS)
-    if not rows:
-        raise ValueError(f'{path} has no rows, expected one for each run')
-    for number, (clockwise, true_x, true_y, odom_x, odom_y) in enumerate(rows, start=1):
-        if clockwise not in (0.0, 1.0):
-            raise ValueError(
-                f'{path}, row {number}: clockwise is {clockwise!r}, expected 1, or 0 for '
-                'counterclockwise')
-        error = ReturnError(true_x - odom_x, true_y - odom_y)
-        if not math.hypot(*error) <= side:  # NaN is not
-            raise ValueError(
-                f'{path}, row {number}: true_x, true_y are {true_x:g}, {true_y:g} and odom_x, '
-                f'odom_y {odom_x:g}, {odom_y:g}, which is too large an error on a square of '
-                f'{side:g} m, expected metres')
-        found[0 if clockwise else 1].append(error)
-    return found
 
 
 def read_drives(

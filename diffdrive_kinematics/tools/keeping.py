@@ -70,7 +70,8 @@ class Keeping:
 
     def note_squares(self, path: str, squares: Sequence[Squares]) -> None:
         """Note the runs around squares in a file; ``ValueError`` where that cannot be."""
-        self._squares = SquareNotes(path, squares, self._moments())
+        self._squares = SquareNotes(
+            path, squares, self._moments(), calibrates=bool(self._calibration))
 
     def note(self) -> str:
         """

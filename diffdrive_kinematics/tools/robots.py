@@ -14,9 +14,9 @@
 
 """The robots of a composition: which base is the belief of one, and which its truth."""
 
-from typing import Dict, List, NamedTuple, Optional, Protocol, Sequence, Tuple
+from typing import Any, Dict, List, NamedTuple, Optional, Protocol, Sequence, Tuple
 
-from diffdrive_kinematics.core.kinematics import Pose
+from diffdrive_kinematics.core.kinematics import Pose, WheelGeometry
 from diffdrive_kinematics.core.noise import PoseCovariance, PoseMoments
 from diffdrive_kinematics.core.odometry import BaseState
 
@@ -24,7 +24,9 @@ __all__ = ['Base', 'Moment', 'Robot', 'moments_of', 'robots_of']
 
 
 class Base(Protocol):
-    """What integrates the motion of wheels."""
+    """What integrates the motion of wheels; its configuration has their geometry."""
+
+    config: Any
 
     def reading(self) -> BaseState:
         """Return the base as it is now."""
@@ -53,13 +55,14 @@ class Robot(NamedTuple):
 
 
 class Moment(NamedTuple):
-    """A robot at one time: what it believes, how well it knows that, and where it is."""
+    """A robot at one time: what it believes, how well and by what geometry, and where it is."""
 
     namespace: str
     time_ns: int
     belief: BaseState
     covariance: PoseCovariance
     truth: Optional[Pose]
+    geometry: WheelGeometry
 
 
 def robots_of(bases: Bases) -> List[Robot]:
@@ -76,7 +79,8 @@ def moments_of(bases: Bases, time_ns: int) -> List[Moment]:
     return [
         Moment(namespace, time_ns, roles['belief'].reading(),
                roles['belief'].covariance(),
-               roles['truth'].reading().pose if 'truth' in roles else None)
+               roles['truth'].reading().pose if 'truth' in roles else None,
+               roles['belief'].config.geometry)
         for namespace, roles in found.items() if 'belief' in roles]
 
 

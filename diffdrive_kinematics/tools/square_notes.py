@@ -17,24 +17,27 @@
 from pathlib import Path
 from typing import Any, Callable, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
+from diffdrive_kinematics.core.calibration import FEWEST_RUNS
 from diffdrive_kinematics.core.commands import SquareRun
 from diffdrive_kinematics.core.kinematics import compose, inverse, Pose, WheelGeometry
-from diffdrive_kinematics.tools.calibration import of_squares, table
+from diffdrive_kinematics.tools.calibration import Calibration, of_squares, table
 from diffdrive_kinematics.tools.calibration_file import rendered
-from diffdrive_kinematics.tools.calibration_sources import read_square_runs, SQUARE_COLUMNS
 from diffdrive_kinematics.tools.output_files import check_writable, write_files
 from diffdrive_kinematics.tools.robots import Moment
+from diffdrive_kinematics.tools.square_rows import (
+    read_square_runs, SETTING_COLUMNS, settings_of, SQUARE_COLUMNS)
 
-__all__ = ['SquareNotes', 'Squares', 'square_calibration']
+__all__ = ['SquareNotes', 'Squares', 'calibration_of_runs', 'square_calibration']
 
-HEADER = ','.join(SQUARE_COLUMNS)
+HEADER = ','.join([*SQUARE_COLUMNS, *SETTING_COLUMNS])
 
 
 class Squares(NamedTuple):
-    """The runs of a course, and what tells the time [s] since it began."""
+    """The runs of a course, what tells the time [s] since it began, and its parameters."""
 
     runs: Tuple[SquareRun, ...]
     elapsed_s: Callable[[], float]
+    values: Mapping[str, Any]
 
 
 class SquareNotes:
@@ -49,16 +52,19 @@ class SquareNotes:
         Courses of the composition, which must be one, around a square.
     start : sequence of Moment
         The robots at the start, which must be one with a truth.
+    calibrates : bool
+        Whether the runs of the file are to be calibrated by, once these are in it.
 
     Raises
     ------
     ValueError
-        If it cannot be noted, or not in this file.
+        If it cannot be noted, or not in this file, or the runs will not be enough.
 
     """
 
     def __init__(
-            self, path: str, squares: Sequence[Squares], start: Sequence[Moment]) -> None:
+            self, path: str, squares: Sequence[Squares], start: Sequence[Moment], *,
+            calibrates: bool = False) -> None:
         if len(squares) != 1 or not squares[0].runs:
             raise ValueError(
                 f'square_runs is {path!r}, expected one command_sequence with a square_side, '
@@ -66,16 +72,32 @@ class SquareNotes:
         if len(start) != 1 or start[0].truth is None:
             raise ValueError(
                 f'square_runs is {path!r}, expected one robot with a belief and a ground truth')
-        check_writable(path, name='square_runs', overwrite=True, grows=True)
-        _content(path)
+        check_writable(path, name='square_runs', overwrite=True, regular=True)
         self._path, (self._squares,), self._done = path, squares, 0
+        self._settings = settings_of(self._squares.values, start[0].geometry)
+        self._check_runs(calibrates)
         self._began: Optional[Tuple[Pose, Pose]] = None
+
+    def _check_runs(self, calibrates: bool) -> None:
+        """Raise ``ValueError`` for runs that are there and of no use, or too few with the new."""
+        there: Sequence[Sequence[Any]] = ((), ())
+        if _content(self._path).count('\n') > 1:
+            there = read_square_runs(
+                self._path, self._settings['square_side'], self._settings)
+        ways = [run.clockwise for run in self._squares.runs]
+        numbers = [len(runs) + ways.count(way) for runs, way in zip(there, (True, False))]
+        if calibrates and min(numbers) < FEWEST_RUNS:
+            raise ValueError(
+                f'square_runs is {self._path!r}, which will have {numbers[0]} clockwise and '
+                f'{numbers[1]} counterclockwise runs, expected at least {FEWEST_RUNS} each way '
+                'for a calibration: set square_rounds')
 
     def due(self) -> bool:
         """Return whether a run begins or has ended; the last one ends with the course."""
-        runs, elapsed = self._squares
+        runs = self._squares.runs
         last = self._done == len(runs) - 1
-        return self._began is None or not last and elapsed() >= runs[self._done].end
+        return (self._began is None
+                or not last and self._squares.elapsed_s() >= runs[self._done].end)
 
     def note(self, moments: Sequence[Moment]) -> str:
         """Note where a run begins, or add the one that ends there; return a line on the latter."""
@@ -87,7 +109,8 @@ class SquareNotes:
         ends = [round(value, 9) + 0.0 for start, pose in zip(began, poses)
                 for value in compose(inverse(start), pose)[:2]]
         clockwise = self._squares.runs[self._done].clockwise
-        row = ','.join([str(int(clockwise)), *(f'{value:.9f}' for value in ends)])
+        row = ','.join([str(int(clockwise)), *(f'{value:.9f}' for value in ends),
+                        *map(repr, self._settings.values())])
         write_files({self._path: f'{_content(self._path)}{row}\n'.encode()}, overwrite=True)
         self._done += 1
         x, y, odom_x, odom_y = (round(value, 4) + 0.0 for value in ends)
@@ -115,11 +138,42 @@ def _content(path: str) -> str:
     except (OSError, UnicodeDecodeError) as error:
         raise ValueError(f'square_runs is {path!r}, which cannot be read: {error}') from error
     lines = text.splitlines() or [HEADER]
-    if [name.strip() for name in lines[0].split(',')] != list(SQUARE_COLUMNS):
+    if [name.strip() for name in lines[0].split(',')] != HEADER.split(','):
         raise ValueError(
             f'square_runs is {path!r}, which begins with {lines[0]!r}, expected a new file, or '
             f'one with {HEADER}')
     return '\n'.join(lines) + '\n'
+
+
+def calibration_of_runs(values: Mapping[str, Any], geometry: WheelGeometry) -> Calibration:
+    """
+    Return the calibration by all rows of ``square_runs``.
+
+    Parameters
+    ----------
+    values : mapping
+        Parameters, those of the square among them.
+    geometry : WheelGeometry
+        That the odometry of the runs used.
+
+    Returns
+    -------
+    Calibration
+        What was found.
+
+    Raises
+    ------
+    ValueError
+        If the runs cannot be read, are of another square or geometry, or allow no calibration;
+        the message names the file.
+
+    """
+    path = values['square_runs']
+    runs = read_square_runs(path, values['square_side'], settings_of(values, geometry))
+    try:
+        return of_squares(values, geometry, *runs)
+    except ValueError as error:
+        raise ValueError(f'{path}: {error}') from error
 
 
 def square_calibration(values: Mapping[str, Any], geometry: WheelGeometry) -> List[str]:
@@ -144,8 +198,7 @@ def square_calibration(values: Mapping[str, Any], geometry: WheelGeometry) -> Li
         If the runs do not allow a calibration, or it cannot be written.
 
     """
-    path, output = values['square_runs'], values['calibration']
-    calibration = of_squares(values, geometry, *read_square_runs(path, values['square_side']))
-    files = rendered(calibration, {'output': output, 'picture': ''})
+    calibration = calibration_of_runs(values, geometry)
+    files = rendered(calibration, {'output': values['calibration'], 'picture': ''})
     written = write_files(files, overwrite=values['overwrite'])
     return [table(calibration), f"wrote {', '.join(written)}"]

@@ -19,7 +19,7 @@ import re
 
 from diffdrive_kinematics.nodes import diffdrive_sim
 from diffdrive_kinematics.ros.parameters.package_share import share_directory
-from diffdrive_kinematics.tools.calibration_sources import read_square_runs
+from diffdrive_kinematics.tools.square_rows import read_square_runs
 import pytest
 from support.graph import KHEPERA
 from support.inside import initialised
@@ -27,6 +27,8 @@ from support.inside import initialised
 CONFIG = share_directory() / 'config'
 FILES = [part for name in ('squares.yaml', 'true.yaml')
          for part in ('--params-file', str(CONFIG / name))]
+HEADER = ('clockwise,true_x,true_y,odom_x,odom_y,'
+          'square_side,square_corner_radius,left_radius,right_radius,separation')
 TRUE_RATIO, TRUE_SEPARATION = 1.002 / 0.998, 1.01
 
 
@@ -66,7 +68,7 @@ def test_a_run_is_added_to_the_runs_that_are_there(graph, tmp_path):
         assert re.search(rf'run 1 of 1, {"" if clockwise == "true" else "counter"}clockwise', said)
     assert [len(each) for each in read_square_runs(str(runs), 1.0)] == [2, 1]
     lines = runs.read_text().splitlines()
-    assert lines[0] == 'clockwise,true_x,true_y,odom_x,odom_y' and len(lines) == 4
+    assert lines[0] == HEADER and len(lines) == 4
     end = re.search(r'^truth \(\S+\) +(\S+) +(\S+)', said, re.M).groups()
     noted = list(map(float, lines[-1].split(',')))
     assert noted[1:3] == pytest.approx([float(each) for each in end], abs=1e-4)
@@ -94,9 +96,17 @@ def test_a_file_of_something_else_is_refused_before_the_drive_and_stays(graph, t
     assert other.read_text() == 'time_sec,x\n1,2\n'
 
 
-@pytest.mark.parametrize('name', ['record', 'square_runs'])
-def test_a_pipe_is_refused_before_the_drive_where_a_file_has_to_grow(graph, tmp_path, name):
-    pipe = tmp_path / 'runs.csv'
+def test_runs_of_another_square_are_refused_before_the_drive(graph, tmp_path):
+    runs = tmp_path / 'runs.csv'
+    runs.write_text(text := f'{HEADER}\n1,0.01,0.02,0.0,0.0,2.0,0.0,0.021,0.021,0.0885\n')
+    said = simulated(graph, f'square_runs:={runs}', status=2)
+    assert 'row 1: square_side is 2 m and now 1 m' in said and ' s   belief' not in said
+    assert runs.read_text() == text
+
+
+@pytest.mark.parametrize('name', ['record', 'square_runs', 'picture'])
+def test_a_pipe_is_refused_before_the_drive_where_a_file_has_to_be(graph, tmp_path, name):
+    pipe = tmp_path / ('runs.svg' if name == 'picture' else 'runs.csv')
     os.mkfifo(pipe)
     said = simulated(graph, f'{name}:={pipe}', status=2)
     assert f'{name} is' in said and 'a pipe or a device' in said and ' s   belief' not in said

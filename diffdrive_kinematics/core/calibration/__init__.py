@@ -52,19 +52,20 @@ from diffdrive_kinematics.core.calibration.trajectory_fit import fit_trajectory
 from diffdrive_kinematics.core.calibration.trajectory_result import Residual, TrajectoryFit
 from diffdrive_kinematics.core.calibration.trajectory_windows import (
     COMMANDED, Windows, windows_between, WindowSet)
-from diffdrive_kinematics.core.calibration.umbmark import corrected, umbmark
+from diffdrive_kinematics.core.calibration.umbmark import (
+    corrected, FEWEST_RUNS, umbmark)
 from diffdrive_kinematics.core.calibration.window_residuals import linearised, WindowResiduals
 from diffdrive_kinematics.core.calibration.window_weights import Variances
 
 __all__ = [
-    'COMMANDED', 'CalibrationParameters', 'Clock', 'Estimate', 'FORMS', 'FittedResponse',
-    'Iteration', 'NO_FRAME', 'NO_NOISE', 'Prediction', 'RecordedDrive', 'ReferenceNoise',
-    'Residual', 'ResponseFit', 'ReturnError', 'SLIP_TERMS', 'SessionFit', 'SlipFit', 'SlipModel',
-    'SlipWindow', 'SquareFit', 'TrajectoryFit', 'Umbmark', 'Variances', 'WindowResiduals',
-    'WindowSet', 'Windows', 'choose_slip', 'commands_of', 'corrected', 'drift_pays',
-    'drive_from_commands', 'drive_from_positions', 'drive_from_rates', 'drive_from_ticks',
-    'fit_drive_slip', 'fit_form', 'fit_heading', 'fit_reference_noise', 'fit_response',
-    'fit_sessions', 'fit_slip', 'fit_squares', 'fit_trajectory', 'linearised', 'nees_per_dof',
-    'odometry_at', 'penalised', 'responded', 'response_errors', 'slip_from_squares',
-    'slip_window', 'slip_windows', 'spread_between', 'umbmark', 'windows_between',
-    'without_frozen_poses']
+    'COMMANDED', 'CalibrationParameters', 'Clock', 'Estimate', 'FEWEST_RUNS', 'FORMS',
+    'FittedResponse', 'Iteration', 'NO_FRAME', 'NO_NOISE', 'Prediction', 'RecordedDrive',
+    'ReferenceNoise', 'Residual', 'ResponseFit', 'ReturnError', 'SLIP_TERMS', 'SessionFit',
+    'SlipFit', 'SlipModel', 'SlipWindow', 'SquareFit', 'TrajectoryFit', 'Umbmark', 'Variances',
+    'WindowResiduals', 'WindowSet', 'Windows', 'choose_slip', 'commands_of', 'corrected',
+    'drift_pays', 'drive_from_commands', 'drive_from_positions', 'drive_from_rates',
+    'drive_from_ticks', 'fit_drive_slip', 'fit_form', 'fit_heading', 'fit_reference_noise',
+    'fit_response', 'fit_sessions', 'fit_slip', 'fit_squares', 'fit_trajectory', 'linearised',
+    'nees_per_dof', 'odometry_at', 'penalised', 'responded', 'response_errors',
+    'slip_from_squares', 'slip_window', 'slip_windows', 'spread_between', 'umbmark',
+    'windows_between', 'without_frozen_poses']

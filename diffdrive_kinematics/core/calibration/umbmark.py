@@ -35,6 +35,7 @@ from diffdrive_kinematics.core.kinematics import (
 import numpy as np
 
 FEWEST_RUNS = 2
+"""Runs each way that are needed: the scatter tells the standard errors."""
 
 
 def umbmark(
