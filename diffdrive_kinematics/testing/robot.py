@@ -27,8 +27,6 @@ from diffdrive_kinematics.testing.stepping import Stepping
 from geometry_msgs.msg import Twist, TwistStamped
 from rclpy.duration import Duration
 
-__all__ = ['Robot']
-
 HEARD_S = 10.0
 
 
@@ -52,8 +50,7 @@ class Robot:
 
     def __init__(
             self, config: Union[str, Path, Mapping[str, Any], None] = None, *,
-            params: Optional[Mapping[str, Any]] = None,
-            noise: Optional[Mapping[str, Any]] = None,
+            params: Optional[Mapping[str, Any]] = None, noise: Optional[Mapping[str, Any]] = None,
             clock_step: Optional[float] = None) -> None:
         made = composition(config, params or {}, noise or {}, clock_step)
         self._publishers: 'dict[str, Any]' = {}
@@ -66,14 +63,10 @@ class Robot:
         self._stepping = Stepping(
             self._observer, self._nodes.executor, self._nodes.clock, self._messages, made.step_ns)
         try:
-            self._settle()
+            self._stepping.wait(self._nodes.ready, 'hear itself', [])
         except BaseException:
             self.close()
             raise
-
-    def _settle(self) -> None:
-        """Wait until the nodes hear each other."""
-        self._stepping.wait(self._nodes.ready, 'hear itself', [])
 
     @property
     def time(self) -> float:
@@ -169,15 +162,7 @@ class Robot:
 
     def advance_until(
             self, condition: Callable[[], Any], *, timeout: float, **options: Any) -> None:
-        """
-        Let time pass until a condition holds; it is asked after every step, or period.
-
-        Raises
-        ------
-        AssertionError
-            If it does not hold within ``timeout`` simulated seconds.
-
-        """
+        """Advance until a condition holds, asked each step or period; fail at ``timeout``."""
         step = options.get('period') or self._stepping.step_ns / 1e9
         for _ in range(math.ceil(timeout / step)):
             self.advance(step, **options)
@@ -230,8 +215,7 @@ class Robot:
 
     def delay(self, topic: str, seconds: float) -> None:
         """Hand the messages of a topic on later from now on, in steps of the clock."""
-        self._messages.delay(
-            self._observer.resolve_topic_name(topic), round(seconds * 1e9))
+        self._messages.delay(self._observer.resolve_topic_name(topic), round(seconds * 1e9))
 
     def kill(self, name: str) -> None:
         """End a node of the robot at once, as a crash does."""
@@ -240,7 +224,7 @@ class Robot:
     def restart(self, name: str) -> None:
         """Start a node of the robot again; one that is alive is killed before."""
         self._nodes.restart(name)
-        self._settle()
+        self._stepping.wait(self._nodes.ready, 'hear itself', [])
 
     def step_clock(self, seconds: float) -> None:
         """Step the clock itself, forward or back, as a time server does."""
