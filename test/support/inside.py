@@ -116,7 +116,7 @@ def status_of(work, args):
             return run(work)
     finally:
         sys.argv = argv
-        os.environ.pop('ROS_DOMAIN_ID')
+        os.environ.pop('ROS_DOMAIN_ID', None)
         if before is not None:
             os.environ['ROS_DOMAIN_ID'] = before
         for number, handler in handlers.items():

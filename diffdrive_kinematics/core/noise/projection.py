@@ -62,6 +62,7 @@ def propagate(
     Where the C library or the architecture is another, the last bit of normals beyond 3.65 may
     differ, which numpy takes from log1p.  Beyond the poses returned the memory does not depend
     on N: 1 to 3 MB for each of up to 8 threads.  Headings may be of any size and are not wrapped.
+    The last bit of a pose may depend on the others of its call.
 
     Parameters
     ----------

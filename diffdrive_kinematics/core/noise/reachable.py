@@ -31,8 +31,9 @@ that sum sweeps a mesh of triangles.  The outer boundary of the mesh runs along 
 triangles lie on one side, and is found by walking around those.
 
 The polygon is an outer approximation: what the chords of the mesh and the simplification cut off
-is added as a margin in every stage, together below 1 % of the area.  Only sets as thin as a
-curve, such as that of a robot with one wheel at rest, get wider margins relative to their area.
+is added as a margin in every stage, together below 1 % of the area.  Sets as thin as a curve,
+such as that of a robot with one wheel at rest, get wider margins relative to their area, and so
+do those of bounds that turn the robot by radians: up to a third of it.
 Holes (a robot that may turn all around) are filled.  The cost is that of finding the crossings
 among some hundred to some thousand segments: 2 to 20 ms a stage.  Stages in which one wheel rests
 keep the robot on a circle about it, and are one stage together.

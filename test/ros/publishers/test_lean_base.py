@@ -130,7 +130,7 @@ class Publisher:
         elif fault == 'no stamp':
             message.header.stamp.nanosec = 10**9 + 5
         elif fault == 'off' and self.with_positions:
-            message.position[0] += draw.choice([1e-15, 1e-6, 0.1])
+            message.position[0] += draw.choice([1e-15, 1e-9, 1e-6, 0.1])
         elif fault == 'short':
             message.velocity = message.velocity[:1]
         elif fault == 'effort':
@@ -173,7 +173,7 @@ CALLS = [
     lambda base: base.node.reading(), lambda base: base.node._odometry,
     lambda base: base.node._wheel_motion.take(), put_elsewhere,
     lambda base: base.node._on_reset(Trigger.Request(), Trigger.Response()),
-    configure('wheel_radius', 0.05), configure('command_timeout', 0.2),
+    configure('wheel_radius', 0.05), configure('wheel_radius', 0.5), configure('command_timeout', 0.2),
     configure('left_slip_variance', 3e-4), configure('covariance_floor', 1e-8),
     configure('publish_rate', 80.0)]
 
