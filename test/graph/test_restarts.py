@@ -77,7 +77,8 @@ def test_a_controller_that_is_restarted_mid_drive_causes_no_jump(graph, number):
 def test_a_second_idle_controller_does_not_move_the_pose(diffdrive):
     robot = diffdrive(
         nodes('diff_drive_controller', 'diff_drive_controller:idle', 'simulated_base',
-              idle={'cmd_vel_topic': 'other'}), params={**KHEPERA, 'enable_odom_tf': False})
+              idle={'cmd_vel_topic': 'other', 'publish_rate': 100.0}),
+        params={**KHEPERA, 'enable_odom_tf': False}, clock_step=0.01)
     robot.kill('idle')
     robot.drive(SPEED, 0.0, 2.0)
     robot.restart('idle')
