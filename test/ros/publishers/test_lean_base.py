@@ -173,9 +173,9 @@ CALLS = [
     lambda base: base.node.reading(), lambda base: base.node._odometry,
     lambda base: base.node._wheel_motion.take(), put_elsewhere,
     lambda base: base.node._on_reset(Trigger.Request(), Trigger.Response()),
-    configure('wheel_radius', 0.05), configure('wheel_radius', 0.5), configure('command_timeout', 0.2),
-    configure('left_slip_variance', 3e-4), configure('covariance_floor', 1e-8),
-    configure('publish_rate', 80.0)]
+    configure('wheel_radius', 0.05), configure('wheel_radius', 0.5),
+    configure('command_timeout', 0.2), configure('left_slip_variance', 3e-4),
+    configure('covariance_floor', 1e-8), configure('publish_rate', 80.0)]
 
 
 def drive(seed, time, bases):
