@@ -288,8 +288,14 @@ def test_a_clock_that_is_not_that_of_the_stamps_is_named_and_projections_are_rig
     graph.wait_for(lambda: pass_time() and looks, 'a node that knows the time')
     (level,) = {status.level for status in graph.wait_for(found, 'the finding')}
     assert level == DiagnosticStatus.WARN
-    for topic in '/odom', '/wheel_rates':
-        said = [line for line in process.output.splitlines() if f"stamps on '{topic}'" in line]
+    topics = '/odom', '/wheel_rates'
+
+    def warnings(topic):
+        return [line for line in process.output.splitlines() if f"stamps on '{topic}'" in line]
+
+    graph.wait_for(lambda: tell() or all(map(warnings, topics)), 'a warning of each topic')
+    for topic in topics:
+        said = warnings(topic)
         assert len(said) == 1 and '[WARN]' in said[0]
         assert f'use_sim_time (now {str(simulated).lower()})' in said[0]
         times = sorted(float(time) for time in re.findall(r'([0-9.]+) s\b', said[0]))
