@@ -62,7 +62,8 @@ class DriveTable:
 
     def note(self, moments: Sequence[Moment]) -> None:
         """Add a row."""
-        (_, time_ns, belief, _, truth), = moments
+        moment, = moments
+        time_ns, belief, truth = moment.time_ns, moment.belief, moment.truth
         self._first_ns, self._last_ns = self._first_ns if self._rows else time_ns, time_ns
         seconds, nanoseconds = divmod(time_ns, 10**9)
         self._file.write(','.join([
