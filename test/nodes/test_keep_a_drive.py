@@ -167,7 +167,8 @@ def test_a_drive_in_real_time_that_is_ended_leaves_what_was_kept(graph, tmp_path
 def test_an_interrupted_recording_is_as_long_as_its_rows_however_late_it_is_closed(tmp_path):
     now_ns, pose = 5 * S, Pose(0.0, 0.0, 0.0)
     keeping = Keeping(
-        lambda: [Moment('', now_ns, base().predict(now_ns), None, pose)], lambda: now_ns)
+        lambda: [Moment('', now_ns, base().predict(now_ns), None, pose, base().geometry)],
+        lambda: now_ns)
     keeping.begin({'record': str(tmp_path / 'run.csv'), 'picture': '', 'overwrite': False,
                    'calibration': ''}, [])
     for now_ns in (7 * S, 8 * S, 9 * S + S // 2):
