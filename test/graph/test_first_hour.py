@@ -134,7 +134,7 @@ def test_the_example_of_the_help_runs(graph, name):
     ('simulated_base', ['-p', 'wheel_radius:=-1.0', '-p', 'wheel_separation:=0.1'],
      'wheel_radius is -1.0'),
     ('command_sequence', ['-p', 'commands:=[0.1, 0, 4]'], 'not [0.1, 0, 4]'),
-    ('command_sequence', ['--params-file', 'none.yaml'], 'there is no such file')])
+    ('command_sequence', ['--params-file', 'none.yaml'], 'the file does not exist')])
 def test_what_is_set_wrongly_is_refused_without_advice_on_how_to_set_parameters(
         graph, name, args, words):
     process = graph.start(name, args=['--ros-args', *args])

@@ -76,8 +76,8 @@ def test_parameters_make_the_response_that_they_name():
         0.5, 2.0, speed_gain=1.03, yaw_rate_gain=0.9, veer=0.1, turn_loss=0.18,
         curvatures=[0.0, 0.1], shares=[0.95, 1.0], delay=0.25)
     assert build_controller(values_of(DIFF_DRIVE_CONTROLLER, **RESPONSE)).drive.response is None
-    assert build_noise(values_of(WHEEL_NOISE)).told is None
-    assert build_noise(values_of(WHEEL_NOISE, **RESPONSE)).told.delay_ns == 250_000_000
+    assert build_noise(values_of(WHEEL_NOISE)).response is None
+    assert build_noise(values_of(WHEEL_NOISE, **RESPONSE)).response.delay_ns == 250_000_000
 
 
 @pytest.mark.parametrize('wrong, message', [

@@ -42,7 +42,7 @@ from diffdrive_kinematics.ros.messages.wheel_messages import WheelReader, WheelW
 from diffdrive_kinematics.ros.publishers.odometry import OdometryPublisher
 from diffdrive_kinematics.ros.runtime.health import Health
 from diffdrive_kinematics.ros.runtime.polling import Poll, QUEUE_DEPTH
-from diffdrive_kinematics.ros.runtime.rclpy_private import hand_on, NUMBER, RECEIVED, sender_of
+from diffdrive_kinematics.ros.runtime.rclpy_private import hand_on, NUMBER, RECEIVED
 from rclpy.publisher import Publisher
 
 __all__ = ['LeanBase']
@@ -76,8 +76,7 @@ class LeanBase:
         self._odometry, self._live, self._fresh = odometry, False, False
         self._reader, self._poll, self._health = reader, poll, health
         self._out, self._beside = out, beside
-        self._send_odometry, self._send_joints = (
-            publisher and sender_of(publisher) for publisher in (out.publisher, joints))
+        self._joints = joints
         self._encode_joints = wheels.encoder_of_two()
         self._now, self._plain_tick = now, tick
 
@@ -111,7 +110,7 @@ class LeanBase:
         motion, anchor, wheels = odometry.motion, odometry.anchor, odometry.wheels
         if not usual or motion is None or not motion.holds or odometry.measured or (
                 wheels.clock.apart or anchor.session
-                or self._send_joints and not self._encode_joints):
+                or self._joints and not self._encode_joints):
             return
         self._number, self._source, shape, self._rates_at, self._positions_at, self._gear = usual
         if motion.source != self._source or self._positions_at and not motion.counted:
@@ -222,7 +221,7 @@ class LeanBase:
         yaw = math.remainder(theta.value_with(turn), math.tau)
         pose = x.value_with(dx), y.value_with(dy), yaw if yaw > -math.pi else math.pi
         self._health.sent += 1
-        if self._send_odometry:
+        if out.publisher:
             if out.pose_slips:
                 if self._certain:
                     covariance = NO_COVARIANCE
@@ -236,10 +235,10 @@ class LeanBase:
             if self._new_rates:
                 self._new_rates = False
                 out.set_twist_covariance(self._held, self._odometry)
-            self._send_odometry(out.codec.encoded(now_ns, *pose, *self._twist))
-        if self._send_joints:
+            out.publisher.publish(out.codec.encoded(now_ns, *pose, *self._twist))
+        if self._joints:
             gear = self._gear
-            self._send_joints(self._encode_joints(
+            self._joints.publish(self._encode_joints(
                 now_ns, gear * self._left.value_with(left_angle),
                 gear * self._right.value_with(right_angle), gear * left_rate, gear * right_rate))
         self._beside(now_ns, Pose(*pose))

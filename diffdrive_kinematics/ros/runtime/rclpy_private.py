@@ -28,7 +28,6 @@ from rclpy.clock import Clock
 from rclpy.executors import Executor
 from rclpy.node import Node
 from rclpy.parameter import Parameter
-from rclpy.publisher import Publisher
 from rclpy.subscription import Subscription
 try:
     from rclpy.impl.implementation_singleton import rclpy_implementation
@@ -43,7 +42,7 @@ __all__ = [
     'EVENTS_EXECUTOR', 'HAS_LEAN_PATH', 'MessageInfo', 'NUMBER', 'RCLError', 'RECEIVED',
     'RMWError', 'UNKNOWN',
     'UnknownROSArgsError', 'given_overrides', 'hand_on', 'informing', 'leave_graph', 'missing',
-    'sender_of', 'simulation_of', 'taker_of', 'time_of']
+    'simulation_of', 'taker_of', 'time_of']
 
 
 def _has(kind: str, *names: str) -> bool:
@@ -51,7 +50,6 @@ def _has(kind: str, *names: str) -> bool:
 
 
 CAN_TAKE = _has('Subscription', 'take_message')
-CAN_SEND = _has('Publisher', 'publish_raw')
 READS_CLOCK = _has('Clock', 'get_now', 'get_ros_time_override_is_enabled')
 HAS_LEAN_PATH = CAN_TAKE and READS_CLOCK
 EVENTS_EXECUTOR: Optional[Type[Executor]] = EventsExecutor
@@ -65,7 +63,7 @@ UnknownROSArgsError: Type[Exception] = getattr(
 def missing() -> str:
     """Return one line on what this rclpy lacks and what is done instead; empty: nothing."""
     lacking = ', no '.join(name for name, present in (
-        ('taking of single messages', CAN_TAKE), ('sending of bytes alone', CAN_SEND),
+        ('taking of single messages', CAN_TAKE),
         ('quick reading of clocks', READS_CLOCK),
         ('EventsExecutor', EVENTS_EXECUTOR)) if not present)
     return lacking and (
@@ -168,11 +166,6 @@ def taker_of(subscription: Subscription) -> Callable[[], Optional[Taken]]:
         return lambda: None
     take, kind = subscription.handle.take_message, subscription.msg_type
     return lambda: take(kind, True)
-
-
-def sender_of(publisher: Publisher) -> Callable[[bytes], None]:
-    """Return what publishes serialised messages, without looking at each of them where it can."""
-    return publisher.handle.publish_raw if CAN_SEND else publisher.publish
 
 
 def hand_on(taken: Taken, callback: Callable[[bytes, MessageInfo], None]) -> None:

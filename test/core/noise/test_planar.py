@@ -84,7 +84,7 @@ def test_zeros_and_certain_directions_are_fine():
     assert planar_covariance(spatial(np.diag([1.0, 0.0, 1e-12]))).yy == 0.0
 
 
-@given(st.lists(st.integers(-1000, 1000), min_size=9, max_size=9),
+@given(st.lists(st.integers(-500, 500), min_size=9, max_size=9),  # variances up to 1e12
        st.lists(st.floats(-3.0, 3.0), min_size=3, max_size=3))
 def test_every_covariance_is_taken_whatever_its_units(numbers, exponents):
     root = np.reshape(numbers, (3, 3)) * np.power(10.0, exponents)[:, None]

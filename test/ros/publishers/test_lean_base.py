@@ -19,7 +19,6 @@ import math
 import random
 
 from diffdrive_kinematics.nodes.simulated_base import SimulatedBase
-from diffdrive_kinematics.ros.publishers import lean_base
 from diffdrive_kinematics.ros.runtime import clocks
 from diffdrive_kinematics.ros.runtime.clocks import SteadyTimers
 from geometry_msgs.msg import PoseWithCovarianceStamped
@@ -216,8 +215,6 @@ def time(monkeypatch):
     time = Time()
     monkeypatch.setattr(clocks, 'time', time)
     monkeypatch.setattr(SimulatedBase, 'source', lambda node: 'base#1')
-    monkeypatch.setattr(lean_base, 'sender_of', lambda publisher: lambda message: (
-        publisher.publish(message)))
     return time
 
 

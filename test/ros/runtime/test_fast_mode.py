@@ -43,7 +43,7 @@ def drive(graph, pace):
     sim = graph.start('diffdrive_sim', {'real_time_factor': pace}, '-p', topics)
     graph.wait_for(lambda: collected['odom'] and collected['ground_truth'], 'odometry')
     graph.play_out(sim, go)
-    start = round(1e9 * float(re.search(r'of commands from ([\d.]+) s on', sim.output)[1]))
+    start = round(1e9 * float(re.search(r'of commands, starting at ([\d.]+) s', sim.output)[1]))
     bits = [{stamp_ns(message) - start: bits_of(message) for message in messages
              if stamp_ns(message) >= start} for messages in collected.values()]
     for entity in (*graph.node.subscriptions, *graph.node.publishers):
