@@ -24,6 +24,7 @@ import asyncio
 from collections import deque
 from itertools import count
 import json
+import math
 from pathlib import Path
 import socket
 import threading
@@ -39,6 +40,7 @@ __all__ = ['Action', 'Slider', 'WebPage']
 
 HERE = Path(__file__).parent
 START_S = 10.0
+REST_S = 0.5  # after which a slider is not being moved any more
 MOST_A_SECOND = 200  # messages of a viewer; a page sends some 20
 
 
@@ -91,6 +93,7 @@ class WebPage:
         self._busy: Set[WebSocket] = set()
         self._numbers = count(1)
         self._model = _model_of(sliders)
+        self._moved_s = -math.inf
         self._listening = socket.create_server((host, port), reuse_port=False)
         self.port = self._listening.getsockname()[1]
         api = FastAPI()
@@ -116,9 +119,12 @@ class WebPage:
         """Send every viewer a frame."""
         self._call(self._broadcast, json.dumps(frame, separators=(',', ':'), allow_nan=False))
 
-    def show(self, values: Mapping[str, float]) -> None:
-        """Set sliders of all viewers."""
-        self._call(self._set, dict(values))
+    def show(self, values: Mapping[str, float]) -> bool:
+        """Set sliders of all viewers; False: one is being moved, and would be moved back."""
+        at_rest = time.monotonic() > self._moved_s + REST_S
+        if at_rest:
+            self._call(self._set, dict(values))
+        return at_rest
 
     def close(self) -> None:
         """End the server."""
@@ -208,12 +214,15 @@ class WebPage:
             with ui.row().classes('dd-row'):
                 ui.label(slider.label).classes('dd-label')
                 ui.slider(min=slider.low, max=slider.high, step=slider.step).bind_value(
-                    self._model, slider.name).on(
+                    self._model, slider.name).on('update:model-value', self._moved).on(
                         'change', lambda event, name=slider.name: self._act(
                             'set', (name, event.args))).classes('dd-slider').props(
                                 f'id=dd-{slider.name} aria-label="{slider.label}"')
                 ui.label().bind_text_from(
                     self._model, slider.name, lambda value: f'{value:g}').classes('dd-number')
+
+    def _moved(self) -> None:
+        self._moved_s = time.monotonic()
 
     def _act(self, name: str, value: Any = None) -> None:
         self.actions.append(Action(0, name, value))

@@ -39,13 +39,14 @@ class RemoteParameters:
     names : sequence of str
         Of its parameters, all of them numbers.
     show : callable
-        Called with what they are, by name, whenever that was asked for.
+        Called with what they are, by name, whenever that was asked for, and returns whether that
+        is shown; if not, it is asked for again.
 
     """
 
     def __init__(
             self, node: Any, target: str, names: Sequence[str],
-            show: Callable[[Dict[str, float]], None]) -> None:
+            show: Callable[[Dict[str, float]], bool]) -> None:
         self._names, self._show = names, show
         self._get = node.runtime.client(GetParameters, f'{target}/get_parameters')
         self._set = node.runtime.client(SetParameters, f'{target}/set_parameters')
@@ -74,5 +75,5 @@ class RemoteParameters:
     def _answered(self, future: Any) -> None:
         values = future.result().values
         if len(values) == len(self._names):
-            self._wanted = False
-            self._show({name: value.double_value for name, value in zip(self._names, values)})
+            self._wanted = not self._show(
+                {name: value.double_value for name, value in zip(self._names, values)})
