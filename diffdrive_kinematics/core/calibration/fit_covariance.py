@@ -25,7 +25,7 @@ its middle.
 
 from diffdrive_kinematics.core.calibration.fit_state import FitState
 from diffdrive_kinematics.core.calibration.gauss_newton import inverse_of
-from diffdrive_kinematics.core.calibration.interval_sums import from_entries
+from diffdrive_kinematics.core.calibration.white_errors import from_entries
 from diffdrive_kinematics.core.kinematics import Array
 import numpy as np
 

@@ -87,6 +87,7 @@ def interval_sums(
 
     >>> from diffdrive_kinematics.core.calibration import drive_from_rates
     >>> from diffdrive_kinematics.core.calibration.drive_odometry import nodes_of, path_of
+    >>> from diffdrive_kinematics.core.calibration.white_errors import from_entries
     >>> drive = drive_from_rates([0.0, 1.0], np.full((2, 2), 8.0), [0.0, 1.0], np.zeros((2, 3)))
     >>> systematic, travel = CalibrationParameters(), np.array([[1.0, 1.0]])
     >>> path = path_of(travel, 0.5)
@@ -131,29 +132,3 @@ def _rows(
     by_separation = (travel[0] - travel[1]) / (separation * systematic.separation)
     rows[2], rows[5], rows[8] = y * by_separation, -x * by_separation, by_separation
     return rows
-
-
-def from_entries(rows: Array) -> Array:
-    """
-    Return symmetric matrices.
-
-    Parameters
-    ----------
-    rows : numpy.ndarray, shape (6, n)
-        Their entries xx, xy, xt, yy, yt, tt.
-
-    Returns
-    -------
-    numpy.ndarray, shape (n, 3, 3)
-        One matrix for each column.
-
-    Examples
-    --------
-    >>> from_entries(np.arange(6.0)[:, None])
-    array([[[0., 1., 2.],
-            [1., 3., 4.],
-            [2., 4., 5.]]])
-
-    """
-    found: Array = rows[[0, 1, 2, 1, 3, 4, 2, 4, 5]].T.reshape(-1, 3, 3)
-    return found

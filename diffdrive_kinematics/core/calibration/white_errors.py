@@ -55,6 +55,32 @@ def entries_of(matrices: Array) -> Array:
     return found
 
 
+def from_entries(rows: Array) -> Array:
+    """
+    Return symmetric matrices.
+
+    Parameters
+    ----------
+    rows : numpy.ndarray, shape (6, n)
+        Their entries xx, xy, xt, yy, yt, tt.
+
+    Returns
+    -------
+    numpy.ndarray, shape (n, 3, 3)
+        One matrix for each column.
+
+    Examples
+    --------
+    >>> from_entries(np.arange(6.0)[:, None])
+    array([[[0., 1., 2.],
+            [1., 3., 4.],
+            [2., 4., 5.]]])
+
+    """
+    found: Array = rows[[0, 1, 2, 1, 3, 4, 2, 4, 5]].T.reshape(-1, 3, 3)
+    return found
+
+
 def whitened(
         error: Array, covariance: Array, parts: Array = NO_PARTS) -> Tuple[Array, Array, Array]:
     """
