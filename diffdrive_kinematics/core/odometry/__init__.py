@@ -27,6 +27,7 @@ from diffdrive_kinematics.core.odometry.encoders import Encoder, PositionTrack, 
 from diffdrive_kinematics.core.odometry.history import OdometryHistory
 from diffdrive_kinematics.core.odometry.joint_assembly import Assembled, Assembly, JointReading
 from diffdrive_kinematics.core.odometry.measured_wheels import MeasuredWheels
+from diffdrive_kinematics.core.odometry.motion_evidence import agree_within_rounding
 from diffdrive_kinematics.core.odometry.motion_update import MotionUpdate, update_motion
 from diffdrive_kinematics.core.odometry.odometry import Odometry
 from diffdrive_kinematics.core.odometry.odometry_state import OdometryState
@@ -54,6 +55,6 @@ __all__ = [
     'OdometryHistory', 'OdometryState', 'PositionTrack', 'REMEMBERED_NS', 'RateWindow',
     'SenderClock', 'SenderClocks', 'SideTrack', 'SlipStream', 'Source', 'Sources',
     'VelocityCheck', 'Verdict', 'WheelMotion', 'WheelPair', 'WheelSample', 'WheelState',
-    'WheelTrack', 'ZERO', 'anchored', 'baseline', 'is_run', 'is_silent', 'mean_of', 'rates_at',
-    'rolled', 'shifted', 'step_tolerance', 'timeout_from_seconds', 'tolerance_of',
-    'update_motion', 'wrapped_increment']
+    'WheelTrack', 'ZERO', 'agree_within_rounding', 'anchored', 'baseline', 'is_run', 'is_silent',
+    'mean_of', 'rates_at', 'rolled', 'shifted', 'step_tolerance', 'timeout_from_seconds',
+    'tolerance_of', 'update_motion', 'wrapped_increment']

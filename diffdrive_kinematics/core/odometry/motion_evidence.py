@@ -90,10 +90,35 @@ def evidence_of(
         return Evidence(timeout_ns, stamp_ns, held, held, False, True)
     left, right = positions[0] - reference[0], positions[1] - reference[1]
     return Evidence(timeout_ns, stamp_ns, held, (left, right), True, (
-        _same(held[0], left, positions[0], reference[0])
-        and _same(held[1], right, positions[1], reference[1])))
+        agree_within_rounding(held[0], left, positions[0], reference[0])
+        and agree_within_rounding(held[1], right, positions[1], reference[1])))
 
 
-def _same(held: float, measured: float, position: float, reference: float) -> bool:
-    """Tell whether two angles differ by what rounding of the positions makes."""
+def agree_within_rounding(
+        held: float, measured: float, position: float, reference: float) -> bool:
+    """
+    Tell whether two angles differ by no more than what rounding of the positions makes.
+
+    Parameters
+    ----------
+    held : float
+        Angle by the rates held [rad].
+    measured : float
+        ``position - reference`` [rad].
+    position, reference : float
+        Positions of the wheel at the end and at the start [rad].
+
+    Returns
+    -------
+    bool
+        Whether the positions say what the rates do.
+
+    Examples
+    --------
+    >>> agree_within_rounding(0.5, 7.5 - 7.0, 7.5, 7.0)
+    True
+    >>> agree_within_rounding(0.5, 7.5 - 7.1, 7.5, 7.1)
+    False
+
+    """
     return abs(held - measured) <= 4.0 * math.ulp(max(abs(position), abs(reference)))

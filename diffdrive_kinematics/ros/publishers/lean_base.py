@@ -32,12 +32,12 @@ import math
 from typing import Any, Callable, Mapping, Optional
 
 from diffdrive_kinematics.core.kinematics import (
-    displacement, is_sane, LARGEST, NANOSECONDS, Pose, twist_from_wheel_rates)
+    displacement, is_sane, LARGEST, NANOSECONDS, Pose, twist_from_wheel_rates, wrap_angle)
 from diffdrive_kinematics.core.noise import (
     arc_moments, CERTAIN, followed, NO_COVARIANCE, PoseCovariance, PoseMoments,
     second_moment_after, slip_on_arc)
 from diffdrive_kinematics.core.odometry import (
-    Anchor, is_run, Odometry, WheelMotion, WheelTrack, ZERO)
+    agree_within_rounding, Anchor, is_run, Odometry, WheelMotion, WheelTrack, ZERO)
 from diffdrive_kinematics.ros.messages.wheel_messages import WheelReader, WheelWriter
 from diffdrive_kinematics.ros.publishers.odometry import OdometryPublisher
 from diffdrive_kinematics.ros.runtime.health import Health
@@ -155,9 +155,8 @@ class LeanBase:
                 0.0 + fields[left] / self._gear, 0.0 + fields[right] / self._gear)
             left_from, right_from = self._reference
             left_angle, right_angle = left - left_from, right - right_from
-            if not (abs(held[0] - left_angle) <= 4.0 * math.ulp(max(abs(left), abs(left_from)))
-                    and abs(held[1] - right_angle) <= 4.0 * math.ulp(
-                        max(abs(right), abs(right_from)))
+            if not (agree_within_rounding(held[0], left_angle, left, left_from)
+                    and agree_within_rounding(held[1], right_angle, right, right_from)
                     and -LARGEST <= left <= LARGEST and -LARGEST <= right <= LARGEST):
                 return False
         rates = left_rate, right_rate
@@ -213,13 +212,9 @@ class LeanBase:
         left_angle, right_angle = left_rate * seconds, right_rate * seconds
         distance, turn = twist_from_wheel_rates(self._geometry, left_angle, right_angle)
         x, y, theta, moments, _ = self._anchor
-        high, low = theta
-        heading, half = math.remainder(high, math.tau) + low, 0.5 * turn
-        direction = heading + half
-        chord = distance * (math.sin(half) / half if half else 1.0)
-        dx, dy = chord * math.cos(direction), chord * math.sin(direction)
-        yaw = math.remainder(theta.value_with(turn), math.tau)
-        pose = x.value_with(dx), y.value_with(dy), yaw if yaw > -math.pi else math.pi
+        heading = self._anchor.heading
+        dx, dy = displacement(heading, distance, turn)
+        pose = x.value_with(dx), y.value_with(dy), wrap_angle(theta.value_with(turn))
         self._health.sent += 1
         if out.publisher:
             if out.pose_slips:
