@@ -32,14 +32,12 @@ COMMAND_SEQUENCE = (
     Spec('square_speed', 0.2, 'Speed [m/s] along the sides of the square.', check=check_positive,
          read_only=True),
     Spec('square_yaw_rate', 0.5, 'Yaw rate [rad/s] at the corners of the square.',
-         check=check_positive,
-         read_only=True),
+         check=check_positive, read_only=True),
     Spec('square_clockwise', False, 'Drive around the square clockwise.',
          Kind.BOOL, read_only=True),
     Spec('square_rounds', 0, 'Number of times to drive around the square clockwise, and then '
          'counterclockwise, with a rest after each. 0: once, in the direction that '
-         'square_clockwise gives.',
-         Kind.INTEGER, check_rounds, read_only=True),
+         'square_clockwise gives.', Kind.INTEGER, check_rounds, read_only=True),
     Spec('square_pause', 0.5, 'Time [s] at rest between sides and corners, in which ramps end.',
          check=check_duration, read_only=True),
     Spec('loop', False, 'Start again at the end, until the node is stopped.',
@@ -55,13 +53,11 @@ GOAL_STEERING = (
     topic('goal_topic', 'goal_pose', 'Subscribes to: goals (PoseStamped) in the frame of the '
           'odometry. Empty: off.', optional=True),
     topic('plan_topic', 'path', 'Subscribes to: paths to follow (Path) in the frame of the '
-          'odometry. Empty: off.',
-          optional=True),
+          'odometry. Empty: off.', optional=True),
     *COMMANDS_OUT,
     Spec('goals', [], 'Goals to drive to from the start, each as x [m], y [m] and yaw [rad] in '
          'the frame of the odometry, one after another in one flat list. The node ends after the '
-         'last one.',
-         Kind.DOUBLES, read_only=True),
+         'last one.', Kind.DOUBLES, read_only=True),
     string('law', 'pose', 'Control law that drives to goals. heading: turn towards the goal and '
            'drive straight. point: a point ahead of the axle goes straight to the goal, backward '
            'too. pose: drive on a curve that ends with the yaw of the goal.',
@@ -71,23 +67,18 @@ GOAL_STEERING = (
     Spec('distance_tolerance', 0.02, 'Distance [m] to the goal at which it counts as reached.',
          check=check_positive),
     Spec('yaw_tolerance', 0.05, 'Difference [rad] to the yaw of the goal at which it counts as '
-         'reached, for the law pose.',
-         check=check_positive),
+         'reached, for the law pose.', check=check_positive),
     Spec('distance_gain', 0.8, 'Speed over the distance that is left [1/s]. The robot slows down '
          'when it is nearer to the goal than max_speed / distance_gain.', check=check_rate),
-    Spec('heading_gain', 2.4, 'Yaw rate over the error of the heading [1/s].',
-         check=check_rate),
-    Spec('yaw_weight', 2.0, 'Weight h of the law pose: how much the yaw of the goal counts on '
-         'the way.',
-         check=check_positive),
-    Spec('point_offset', 0.1, 'Distance b [m] of the law point: how far the point is ahead of '
-         'the axle.',
-         check=check_positive),
+    Spec('heading_gain', 2.4, 'Yaw rate over the error of the heading [1/s].', check=check_rate),
+    Spec('yaw_weight', 2.0, 'Weight h of the law pose: how much the yaw of the goal counts on the '
+         'way.', check=check_positive),
+    Spec('point_offset', 0.1, 'Distance b [m] of the law point: how far the point is ahead of the '
+         'axle.', check=check_positive),
     Spec('lookahead', 0.3, 'Distance [m] along a path by which the robot aims ahead.',
          check=check_positive),
     Spec('odom_timeout', 0.5, 'Time [s] without odometry after which the robot is commanded to '
-         'stand still.',
-         check=check_positive),
+         'stand still.', check=check_positive),
     Spec('patience', 10.0, 'Time [s] without coming nearer after which the robot gives a goal up.',
          check=check_positive),
     Spec('publish_rate', 20.0, 'Rate [Hz] of the commands.', check=check_rate),

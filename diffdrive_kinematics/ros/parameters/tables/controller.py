@@ -66,16 +66,14 @@ DIFF_DRIVE_CONTROLLER = (
     topic('cmd_vel_topic', 'cmd_vel', 'Subscribes to: velocity commands.'),
     topic('emergency_stop_topic', '', 'Subscribes to: the emergency stop (Bool), of any quality '
           'of service. At true the wheels stop at once, and no command is obeyed until it is '
-          'false. Empty: only the services ~/stop and ~/resume are there.',
-          optional=True),
+          'false. Empty: only the services ~/stop and ~/resume are there.', optional=True),
     topic('wheel_rates_topic', 'wheel_rates', 'Publishes: wheel rates (JointState).'),
     topic('wheel_commands_topic', '', 'Publishes: wheel rates for a velocity controller of '
           'ros2_control (Float64MultiArray), left wheels, then right wheels. Empty: off.',
           optional=True),
     topic('cmd_vel_out_topic', 'cmd_vel_out', 'Publishes: the velocity after all limits '
           '(TwistStamped).'),
-    Spec('publish_limited_velocity', False, 'Publish cmd_vel_out.', Kind.BOOL,
-         read_only=True),
+    Spec('publish_limited_velocity', False, 'Publish cmd_vel_out.', Kind.BOOL, read_only=True),
     Spec('enable_stamped_cmd_vel', False, 'Commands are TwistStamped instead of Twist.', Kind.BOOL,
          read_only=True),
     Spec('stamp_tolerance', 0.0, 'Greatest age [s] of the stamp of a command with which the '
@@ -86,8 +84,7 @@ DIFF_DRIVE_CONTROLLER = (
          check=check_duration),
     Spec('cmd_vel_clock_offset', 0.0, 'Time on the clock of the controller minus time on the '
          'clock of the senders of commands [s]. NaN: it is unknown, and neither stamps nor the '
-         'time of sending count.',
-         check=check_offset),
+         'time of sending count.', check=check_offset),
     Spec('publish_rate', 50.0, 'Rate [Hz] at which the wheel rates are repeated.',
          check=check_rate),
     Spec('update_rate', 100.0, 'Rate [Hz] at which ramps step. Each step is published.',

@@ -41,18 +41,15 @@ PLOT_PATHS = (
            'drive with slip.', check_one_of('', *MODELS)),
     Spec('commands', [], 'The commands, each as speed v [m/s], yaw rate omega [rad/s] and '
          'duration [s], one after another in one flat list. For a model: its own two commands, '
-         'then the duration.',
-         Kind.DOUBLES, read_only=True),
+         'then the duration.', Kind.DOUBLES, read_only=True),
     Spec('steps', 5, 'Number of equal steps into which each command is cut. Each has slip, or '
          'errors of the commands, of its own.', Kind.INTEGER, check_stages, read_only=True),
     Spec('command_bounds', [], 'For a model: bounds of the errors of its two commands, in one '
-         'flat list. There is one picture for each pair, side by side. None: the commands have '
-         'no errors.', Kind.DOUBLES,
-         read_only=True),
+         'flat list. There is one picture for each pair, side by side. None: the commands have no '
+         'errors.', Kind.DOUBLES, read_only=True),
     Spec('max_steering_rates', [], 'For a model: bounds [rad/s] of the rate of the steering '
          'angle. There is one picture for each, side by side. 0 or none: the angle jumps.',
-         Kind.DOUBLES,
-         read_only=True),
+         Kind.DOUBLES, read_only=True),
     Spec('max_steering_angle', 1.2, 'For a model: bound [rad] of the steering angle.',
          check=check_positive, read_only=True),
     Spec('wheel_base', math.nan, 'For a model: distance l [m] from the rear axle to the front '
@@ -91,8 +88,7 @@ CALIBRATE = (
           'TwistStamped.'),
     ENCODER_RANGE,
     Spec('position_feedback', True, 'Use positions in wheel motion. false: use its rates only.',
-         Kind.BOOL,
-         read_only=True),
+         Kind.BOOL, read_only=True),
     topic('reference_topic', 'ground_truth', 'Subscribes to: reference poses, where no files are '
           'given. In bags they may be Odometry, PoseStamped, PoseWithCovarianceStamped, or /tf.'),
     Spec('reference_frames', [], 'Parent and child frame of the reference, where reference_topic '
@@ -106,13 +102,11 @@ CALIBRATE = (
            check_one_of('', 'none', 'delay', 'offsets', 'drifts', 'auto')),
     string('mean_radius', '', 'Whether the mean radius of the wheels is fitted too. fit: it is. '
            'keep: it stays as it is. Empty: keep for commands, of which a robot covers more or '
-           'less; fit for all else.',
-           check_one_of('', 'fit', 'keep')),
+           'less; fit for all else.', check_one_of('', 'fit', 'keep')),
     Spec('fit_response', False, 'Fit how the robot follows its commands, instead of its wheels, '
          'and write it as response_* parameters. For recordings of commands.', Kind.BOOL,
          read_only=True),
-    Spec('equal_slip', True, 'Fit one slip constant for both wheels.', Kind.BOOL,
-         read_only=True),
+    Spec('equal_slip', True, 'Fit one slip constant for both wheels.', Kind.BOOL, read_only=True),
     file('output', 'calibration.yaml', 'Params file to write.', check_named),
     file('picture', '', 'Picture of the errors before and after to write, .png or .svg. Empty: '
          'none.', check_optional_picture),

@@ -47,8 +47,7 @@ WEB_VIEW = (
     string('controller_node', 'diff_drive_controller', 'Name of the node that the page stops and '
            'releases.'),
     Spec('base_nodes', ['simulated_base', 'ground_truth'], 'Names of the nodes whose poses the '
-         'page resets.',
-         Kind.STRINGS, read_only=True),
+         'page resets.', Kind.STRINGS, read_only=True),
     Spec('max_speed', 0.2, 'Speed [m/s] of a key, or of the joystick at its end.',
          check=check_positive),
     Spec('max_yaw_rate', 1.5, 'Yaw rate [rad/s] of a key, or of the joystick at its end.',
@@ -63,9 +62,8 @@ TELEOP = (
     Spec('yaw_rate', 1.0, 'Yaw rate [rad/s] of a key at the start.', check=check_positive,
          read_only=True),
     Spec('key_timeout', 0.6, 'Time [s] without a character from the terminal after which a key '
-         'counts as released. It has to be longer than the terminal waits before it repeats a '
-         'key that is held.',
-         check=check_positive, read_only=True),
+         'counts as released. It has to be longer than the terminal waits before it repeats a key '
+         'that is held.', check=check_positive, read_only=True),
     Spec('publish_rate', 20.0, 'Rate [Hz] of the commands while a key is held.', check=check_rate,
          read_only=True),
     DIAGNOSTICS, EXECUTOR)

@@ -42,12 +42,10 @@ WHEEL_NOISE = (
          'whatever the rate of messages. command: the standard deviation is in proportion to the '
          'rate of the wheel, one value is drawn for each message, left_slip_variance and '
          'right_slip_variance are the squares of the fractions [1], and the statistics depend on '
-         'the rate of messages.',
-         Kind.STRING, check_slip_model),
+         'the rate of messages.', Kind.STRING, check_slip_model),
     DISTRIBUTION,
     Spec('seed', 0, 'Seed of the random generator, 0 or above. Setting another one starts the '
-         'noise again, with another session.',
-         Kind.INTEGER, check_seed),
+         'noise again, with another session.', Kind.INTEGER, check_seed),
     Spec('command_timeout', 0.5, 'Longest time [s] without a message over which rates are held, '
          'as in simulated_base. 0: any.', check=check_duration),
     DIAGNOSTICS, EXECUTOR)
@@ -78,16 +76,13 @@ SIMULATED_BASE = (
     Spec('velocity_rolling_window_size', 10, 'Number of messages over which the twist is taken '
          "from a driver's positions.", Kind.INTEGER, check_window, read_only=True),
     Spec('extrapolate_positions', True, "Continue the pose from a driver's last positions with "
-         'the rates of that window, so that it holds at its stamp.', Kind.BOOL,
-         read_only=True),
+         'the rates of that window, so that it holds at its stamp.', Kind.BOOL, read_only=True),
     *START,
     Spec('initial_heading_seed', -1, 'Seed with which the yaw at the start is drawn, as for a '
-         'ground truth. -1: the yaw is not drawn, and its uncertainty is published.',
-         Kind.INTEGER, check_optional_seed,
-         read_only=True),
+         'ground truth. -1: the yaw is not drawn, and its uncertainty is published.', Kind.INTEGER,
+         check_optional_seed, read_only=True),
     Spec('enable_odom_tf', True, 'Publish the transform from odom_frame_id to base_frame_id on '
-         '/tf.',
-         Kind.BOOL, read_only=True),
+         '/tf.', Kind.BOOL, read_only=True),
     Spec('publish_map_odom_tf', False, 'For a ground truth: publish the transform from its '
          'odom_frame_id (map) to the frame of the belief on /tf, so that tf shows the robot '
          'where it really is. enable_odom_tf must be false.', Kind.BOOL, read_only=True),
@@ -143,6 +138,5 @@ FORWARD_PROJECTION = (
          'own.', Kind.INTEGER, check_stages),
     Spec('samples', 200, 'Number of sampled poses.', Kind.INTEGER, check_count),
     Spec('seed', 0, 'Seed of the samples. It is used again each time, so that the samples move '
-         'with the robot.',
-         Kind.INTEGER, check_seed),
+         'with the robot.', Kind.INTEGER, check_seed),
     *SLIP, DISTRIBUTION, DIAGNOSTICS, EXECUTOR)
