@@ -218,8 +218,7 @@ class DiffDriveController(DiffDriveNode[Config]):
         timeout = self._drive.settings.cmd_vel_timeout
         self._intake.configure(config.values)
         self._carry_out(*self._drive.configured(config.drive, self._synchronised_now()))
-        self._timer = self.runtime.retimed(
-            self._timer, config.values['publish_rate'], self._tick)
+        self._timer = self.runtime.retimed(self._timer, config.values['publish_rate'], self._tick)
         if timeout != config.drive.cmd_vel_timeout:  # else what is silent goes on to be
             self._set_watchdog(config.drive.cmd_vel_timeout)
 

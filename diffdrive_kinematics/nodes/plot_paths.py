@@ -58,8 +58,7 @@ def build(values: Mapping[str, Any]) -> Union[Config, ModelConfig]:
     if math.isnan(values['wheel_separation']):
         raise ValueError('wheel_separation is not set, expected the distance between the wheels')
     each = values['steps']
-    steps = tuple(
-        Command(u.v, u.w, u.duration / each) for u in commands for _ in range(each))
+    steps = tuple(Command(u.v, u.w, u.duration / each) for u in commands for _ in range(each))
     geometry = WheelGeometry(  # the radius does not count: commands are twists
         values['wheel_separation'], 1.0,
         wheel_separation_multiplier=values['wheel_separation_multiplier'])

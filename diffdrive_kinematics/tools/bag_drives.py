@@ -29,8 +29,7 @@ from diffdrive_kinematics.tools.bags import Bag, BagMessage, BagTopic, message_o
 from diffdrive_kinematics.tools.collection import Collection
 from diffdrive_kinematics.tools.recordings import nobody
 
-__all__ = [
-    'COMMANDS', 'Read', 'TWISTS', 'Times', 'add_bag', 'read_topics', 'topic_of', 'twist_of']
+__all__ = ['COMMANDS', 'Read', 'TWISTS', 'Times', 'add_bag', 'read_topics', 'topic_of', 'twist_of']
 
 COMMANDS = 'commands'
 PROGRESS_MESSAGES = 4096
@@ -179,8 +178,7 @@ def read_topics(bag: Bag, handles: Mapping[str, Handle], progress: Progress = no
             progress(f'{bag.path}: {number} messages')
 
 
-def _joints_handle(
-        collection: Collection, values: Mapping[str, Any], times: Times) -> Handle:
+def _joints_handle(collection: Collection, values: Mapping[str, Any], times: Times) -> Handle:
     reader = WheelReader(
         wheel_joints(values), positions=values['position_feedback'],
         encoder_range=values['encoder_range'])
@@ -205,8 +203,7 @@ def twist_of(message: BagMessage) -> Tuple[int, float, float]:
     return nanoseconds(header.stamp) if header else 0, v, w
 
 
-def _twist_handle(
-        collection: Collection, geometry: WheelGeometry, times: Times) -> Handle:
+def _twist_handle(collection: Collection, geometry: WheelGeometry, times: Times) -> Handle:
     def handle(message: BagMessage) -> None:
         stamp_ns, v, w = twist_of(message)
         left, right = wheel_rates_from_twist(geometry, v, w)
@@ -227,8 +224,7 @@ def _pose_handle(collection: Collection, times: Times) -> Handle:
     return handle
 
 
-def _transform_handle(
-        collection: Collection, values: Mapping[str, Any], times: Times) -> Handle:
+def _transform_handle(collection: Collection, values: Mapping[str, Any], times: Times) -> Handle:
     wanted = tuple(name.lstrip('/') for name in values['reference_frames'])
 
     def handle(message: BagMessage) -> None:

@@ -38,8 +38,7 @@ __all__ = [
 CLOCKS = {'none': Clock.NONE, 'delay': Clock.DELAY, 'offsets': Clock.OFFSETS,
           'drifts': Clock.DRIFTS, 'auto': Clock.AUTO}
 MULTIPLIERS = (
-    'left_wheel_radius_multiplier', 'right_wheel_radius_multiplier',
-    'wheel_separation_multiplier')
+    'left_wheel_radius_multiplier', 'right_wheel_radius_multiplier', 'wheel_separation_multiplier')
 
 
 class Row(NamedTuple):

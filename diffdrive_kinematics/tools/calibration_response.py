@@ -60,8 +60,7 @@ def of_commands(
     fit = fit_response(geometry, drives, lambda form: progress(f'fitting the response: {form}'))
     progress('fitting the slip')
     moved = [responded(geometry, drive, fit.response) for drive in drives]
-    rest = fit_trajectory(
-        geometry, moved, wheels=False, clock=Clock.DELAY, windows=COMMANDED)
+    rest = fit_trajectory(geometry, moved, wheels=False, clock=Clock.DELAY, windows=COMMANDED)
     slip = fit_drive_slip(geometry, moved, rest, equal=equal_slip)
     parameters = response_parameters(fit.response)
     rows = [

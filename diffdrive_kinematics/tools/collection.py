@@ -151,6 +151,5 @@ def _segment(drive: _Drive) -> Optional[RecordedDrive]:
     if len(np.unique(series[0])) < 2 or len(np.unique(series[1])) < 2:
         return None
     if with_positions:
-        return drive_from_positions(
-            time, [sample.positions for sample in chosen], *series[1:])
+        return drive_from_positions(time, [sample.positions for sample in chosen], *series[1:])
     return drive_from_rates(time, [sample.rates for sample in chosen], *series[1:])

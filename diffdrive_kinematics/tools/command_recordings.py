@@ -16,8 +16,7 @@
 
 from typing import List, Tuple
 
-from diffdrive_kinematics.tools.bag_drives import (
-    read_topics, Times, topic_of, twist_of, TWISTS)
+from diffdrive_kinematics.tools.bag_drives import read_topics, Times, topic_of, twist_of, TWISTS
 from diffdrive_kinematics.tools.bags import BagMessage, is_bag, open_bag
 from diffdrive_kinematics.tools.plausible import check_commands, check_stamps
 from diffdrive_kinematics.tools.recordings import COMMAND_COLUMNS, read_columns

@@ -25,8 +25,7 @@ from numpy.typing import NDArray
 __all__ = [
     'MISSING', 'Picture', 'along_arcs', 'drawn', 'ellipse', 'file_of', 'in_plan', 'new_figure']
 
-MISSING = (
-    "matplotlib, which is missing: pip install '.[plot]' or apt install python3-matplotlib")
+MISSING = "matplotlib, which is missing: pip install '.[plot]' or apt install python3-matplotlib"
 """What a picture needs, where :func:`new_figure` finds it not."""
 
 CHI_SQUARE_95 = 5.991
@@ -158,12 +157,10 @@ def _draw_into(axes: Any, picture: Picture) -> None:
     count = paths.x.shape[1]
     if count:
         alpha = min(0.6, max(0.05, 25.0 / count))
-        axes.plot(paths.x[:, 0], paths.y[:, 0], color=PATHS, lw=0.6,
-                  label=f'{count} sample paths')
+        axes.plot(paths.x[:, 0], paths.y[:, 0], color=PATHS, lw=0.6, label=f'{count} sample paths')
         axes.plot(paths.x[:, 1:], paths.y[:, 1:], color=PATHS, lw=0.6, alpha=alpha)
         axes.scatter(paths.x[-1], paths.y[-1], color=PATHS, s=5, zorder=3, label='their ends')
-    axes.plot(mean.x, mean.y, color=MEAN, lw=1.4, zorder=4,
-              label='mean path' if count else 'path')
+    axes.plot(mean.x, mean.y, color=MEAN, lw=1.4, zorder=4, label='mean path' if count else 'path')
     axes.plot(mean.x[0], mean.y[0], 'o', color=MEAN, ms=5, zorder=4, label='start')
     for number, belief in enumerate(picture.beliefs):
         axes.plot(*ellipse(*belief), color=ELLIPSE, lw=1.3, zorder=5,

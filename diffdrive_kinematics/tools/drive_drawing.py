@@ -21,8 +21,7 @@ from typing import Any, Dict, Sequence, Tuple
 from diffdrive_kinematics.core.kinematics import Pose
 from diffdrive_kinematics.core.noise import NO_COVARIANCE
 from diffdrive_kinematics.tools.drawing import ellipse, file_of, in_plan, MISSING, new_figure
-from diffdrive_kinematics.tools.output_files import (
-    beside, check_writable, free_path, write_files)
+from diffdrive_kinematics.tools.output_files import beside, check_writable, free_path, write_files
 from diffdrive_kinematics.tools.robots import Moment
 import numpy as np
 

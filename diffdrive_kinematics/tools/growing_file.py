@@ -18,8 +18,7 @@ from contextlib import suppress
 import os
 from typing import TextIO
 
-from diffdrive_kinematics.tools.output_files import (
-    check_writable, free_path, place, write_beside)
+from diffdrive_kinematics.tools.output_files import check_writable, free_path, place, write_beside
 
 __all__ = ['GrowingFile']
 

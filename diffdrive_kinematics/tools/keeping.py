@@ -42,8 +42,7 @@ class Keeping:
 
     """
 
-    def __init__(
-            self, moments: Callable[[], List[Moment]], now_ns: Callable[[], int]) -> None:
+    def __init__(self, moments: Callable[[], List[Moment]], now_ns: Callable[[], int]) -> None:
         self._moments, self._now_ns = moments, now_ns
         self._table: Optional[DriveTable] = None
         self._picture: Optional[DrivePicture] = None
@@ -55,8 +54,7 @@ class Keeping:
 
     def begin(self, values: Mapping[str, Any], publishers: Iterable[Publisher]) -> None:
         """Keep the drive in ``record`` and ``picture``; ``ValueError`` where that cannot be."""
-        record, picture, overwrite = (
-            values[name] for name in ('record', 'picture', 'overwrite'))
+        record, picture, overwrite = (values[name] for name in ('record', 'picture', 'overwrite'))
         self._calibration = values['calibration']
         if values['calibration']:
             check_writable(values['calibration'], name='calibration', overwrite=overwrite)

@@ -117,8 +117,7 @@ def _followed(
     for command in config.commands:
         time = command.duration / (config.values['steps'] * POINTS)
         for _ in range(config.values['steps']):
-            asked = disturbed(
-                (command.v, command.w), disturbance, n=n, generator=generator)
+            asked = disturbed((command.v, command.w), disturbance, n=n, generator=generator)
             for _ in range(POINTS):
                 state = transition(system, state, _towards(system, state, asked, time), time)
                 way.append(state[:3])

@@ -82,8 +82,7 @@ class SquareNotes:
         """Raise ``ValueError`` for runs that are there and of no use, or too few with the new."""
         there: Sequence[Sequence[Any]] = ((), ())
         if _content(self._path).count('\n') > 1:
-            there = read_square_runs(
-                self._path, self._settings['square_side'], self._settings)
+            there = read_square_runs(self._path, self._settings['square_side'], self._settings)
         ways = [run.clockwise for run in self._squares.runs]
         numbers = [len(runs) + ways.count(way) for runs, way in zip(there, (True, False))]
         if calibrates and min(numbers) < FEWEST_RUNS:

@@ -102,8 +102,7 @@ class DriveSettings:
         """
         if self.response is None:
             return CommandFor(motion, True)
-        within = Twist(
-            self.linear.limit_velocity(motion.v), self.angular.limit_velocity(motion.w))
+        within = Twist(self.linear.limit_velocity(motion.v), self.angular.limit_velocity(motion.w))
         command, reached = self.response.command_for(within, most=MOST_MADE_UP)
         return CommandFor(command, reached and within == motion)
 

@@ -207,8 +207,7 @@ class DriveState(NamedTuple):
         return drive._turning(rates, time_ns)
 
     def _turning(
-            self: D, rates: Tuple[float, float],
-            time_ns: int) -> Tuple[D, List[WheelCommand]]:
+            self: D, rates: Tuple[float, float], time_ns: int) -> Tuple[D, List[WheelCommand]]:
         """Return the drive with other wheel rates from ``time_ns`` on, and the change."""
         left, right = self._angles(time_ns)
         drive = self._replace(since_ns=time_ns, rates=rates, left=left, right=right)
@@ -236,11 +235,9 @@ class DriveState(NamedTuple):
 
     def _saturated(self, twist: Twist) -> Tuple[Twist, Tuple[float, float], float]:
         left, right, factor = saturate(
-            *wheel_rates_from_twist(self.settings.geometry, *twist),
-            self.settings.max_wheel_rate)
+            *wheel_rates_from_twist(self.settings.geometry, *twist), self.settings.max_wheel_rate)
         return Twist(twist.v * factor, twist.w * factor), (left, right), factor
 
     def _angles(self, time_ns: int) -> Tuple[RunningSum, RunningSum]:
         seconds = (time_ns - self.since_ns) / NANOSECONDS
-        return (self.left.plus(self.rates[0] * seconds),
-                self.right.plus(self.rates[1] * seconds))
+        return self.left.plus(self.rates[0] * seconds), self.right.plus(self.rates[1] * seconds)

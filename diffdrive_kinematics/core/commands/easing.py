@@ -77,8 +77,7 @@ def eased(
     return target if change >= distance else min(current + change, target)
 
 
-def largest_change(
-        distance: float, fall: float, last: float = 0.0, share: float = 1.0) -> float:
+def largest_change(distance: float, fall: float, last: float = 0.0, share: float = 1.0) -> float:
     """
     Return the largest change of velocity in a step that can fall to ``last`` in time.
 

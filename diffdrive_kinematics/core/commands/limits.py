@@ -73,8 +73,7 @@ class AxisLimits(LimitRanges):
         See :class:`AxisLimits`.
 
         """
-        return self.towards(
-            self.limit_velocity(target), current=current, before=before, dt=dt)
+        return self.towards(self.limit_velocity(target), current=current, before=before, dt=dt)
 
     def towards(self, target: float, *, current: float, before: float, dt: float) -> float:
         """

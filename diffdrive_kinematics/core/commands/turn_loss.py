@@ -90,7 +90,6 @@ def table_share(curvature: Number, curvatures: Sequence[float], shares: Sequence
         return np.interp(curvature, curvatures, shares) if shares else np.ones_like(curvature)
     after = bisect_right(curvatures, curvature)
     if 0 < after < len(shares):
-        slope = ((shares[after] - shares[after - 1])
-                 / (curvatures[after] - curvatures[after - 1]))
+        slope = (shares[after] - shares[after - 1]) / (curvatures[after] - curvatures[after - 1])
         return shares[after - 1] + slope * (curvature - curvatures[after - 1])
     return shares[min(after, len(shares) - 1)] if shares else 1.0

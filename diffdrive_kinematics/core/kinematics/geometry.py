@@ -137,8 +137,7 @@ def twist_from_wheel_rates(
     return 0.5 * (v_left + v_right), (v_right - v_left) / geometry.separation
 
 
-def wheel_rates_from_twist(
-        geometry: WheelGeometry, v: Number, w: Number) -> Tuple[Number, Number]:
+def wheel_rates_from_twist(geometry: WheelGeometry, v: Number, w: Number) -> Tuple[Number, Number]:
     """
     Return the wheel rates that make a twist (inverse kinematics).
 

@@ -30,8 +30,7 @@ RateOfState = Callable[[State, float], State]
 TwistOfTime = Callable[[float], Tuple[float, float]]
 
 
-def euler(
-        state: State, rate: RateOfState, *, start: float, duration: float, steps: int) -> State:
+def euler(state: State, rate: RateOfState, *, start: float, duration: float, steps: int) -> State:
     """
     Return the state after a time, by Euler's method.
 
@@ -170,8 +169,7 @@ def integrate_euler(
     '0.8638'
 
     """
-    return Pose(*euler(
-        pose, _rate_under(twist), start=start, duration=duration, steps=steps))
+    return Pose(*euler(pose, _rate_under(twist), start=start, duration=duration, steps=steps))
 
 
 def integrate_runge_kutta(

@@ -27,16 +27,14 @@ bounded, the :func:`reachable_boundary`.  All take arrays of robots as well as o
 from diffdrive_kinematics.core.models.augmentation import Augmented, augmented
 from diffdrive_kinematics.core.models.cars import (
     ackermann_car, car, front_wheel_angles, least_turning_radius)
-from diffdrive_kinematics.core.models.disturbance import (
-    bounded, Disturbance, disturbed, Step)
+from diffdrive_kinematics.core.models.disturbance import bounded, Disturbance, disturbed, Step
 from diffdrive_kinematics.core.models.paths import sample_paths
 from diffdrive_kinematics.core.models.quantities import Quantity
 from diffdrive_kinematics.core.models.reach import reachable_boundary
 from diffdrive_kinematics.core.models.robots import (
     bicycle, differential_drive, front_drive_tricycle, rear_wheels_tricycle, tricycle, unicycle)
 from diffdrive_kinematics.core.models.rolling import Rolling
-from diffdrive_kinematics.core.models.system import (
-    admitted, check_command, ControlSystem, Vector)
+from diffdrive_kinematics.core.models.system import admitted, check_command, ControlSystem, Vector
 from diffdrive_kinematics.core.models.transitions import (
     transition, transition_euler, transition_runge_kutta)
 from diffdrive_kinematics.core.models.wheels import Motion, rolling_centre, RollingCentre, Wheel

@@ -151,8 +151,7 @@ def front_wheel_angles(
     return math.atan2(slope, 1.0 - half), math.atan2(slope, 1.0 + half)
 
 
-def least_turning_radius(
-        *, wheel_base: float, max_steering: float, track: float = 0.0) -> float:
+def least_turning_radius(*, wheel_base: float, max_steering: float, track: float = 0.0) -> float:
     """
     Return the least radius [m] of the circle of the middle of the rear axle.
 

@@ -109,8 +109,7 @@ def _box(system: ControlSystem, start: Vector, command: Vector, disturbance: Dis
     """Return what the bounds of the commands leave of u + W(u)."""
     half = disturbance.bounds(command)
     if not all(map(math.isfinite, half)):
-        raise ValueError(
-            f'distribution is {disturbance.distribution!r}, expected a bounded one')
+        raise ValueError(f'distribution is {disturbance.distribution!r}, expected a bounded one')
     return tuple(
         (_clipped(u - w, each), _clipped(u + w, each))
         for u, w, each in zip(command, half, system.commands))
@@ -147,8 +146,7 @@ def _strays_little(robot: Rolling, pieces: Sequence[Piece]) -> bool:
     return strayed <= max(NEAR * size, 1e-4 * far)
 
 
-def _piece(
-        chain: Sequence[Augmented], held: Box, box: Box, duration: float) -> Tuple[Box, Piece]:
+def _piece(chain: Sequence[Augmented], held: Box, box: Box, duration: float) -> Tuple[Box, Piece]:
     """Return the states after a piece, and the piece; the outermost rates come first."""
     after = list(held)
     drift = [0.0] * len(box)

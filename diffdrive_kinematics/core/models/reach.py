@@ -126,8 +126,7 @@ def _motions(robot: Rolling, piece: Piece) -> _Motions:
     """Return the motions of a piece: lines through its box, and what they miss."""
     first, second = (np.linspace(*ends, 2 * LINES - 1) for ends in piece.box)
     v, w = robot.twist((first[:, None], second[None, :]))
-    d, t = (piece.duration * np.broadcast_to(value, (len(first), len(second)))
-            for value in (v, w))
+    d, t = (piece.duration * np.broadcast_to(value, (len(first), len(second))) for value in (v, w))
     missed = []
     for grid in (d, t):
         chords = [0.5 * (lines[:-2:2] + lines[2::2]) - lines[1::2] for lines in (

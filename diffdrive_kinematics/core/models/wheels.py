@@ -134,8 +134,7 @@ def rolling_centre(wheels: Sequence[Wheel]) -> RollingCentre:
     size = float(np.abs(places - origin).max()) or 1.0
     unit = np.array([(math.cos(wheel.direction), math.sin(wheel.direction)) for wheel in wheels])
     offset = np.sum(unit * (places - origin), axis=1) / size
-    _, values, rows = np.linalg.svd(
-        np.column_stack([unit, -offset]), full_matrices=True)
+    _, values, rows = np.linalg.svd(np.column_stack([unit, -offset]), full_matrices=True)
     rank = int(np.count_nonzero(values > TOLERANCE * math.sqrt(len(wheels))))
     if rank == 1:
         return RollingCentre(Motion.AXLE, math.nan, math.nan)

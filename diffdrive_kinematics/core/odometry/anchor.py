@@ -20,8 +20,7 @@ from typing import NamedTuple, Optional
 from diffdrive_kinematics.core.kinematics import (
     check_finite, displacement, Pose, RunningSum, wrap_angle)
 from diffdrive_kinematics.core.noise import (
-    CERTAIN, NO_COVARIANCE, NO_SESSION, PoseCovariance, PoseMoments, SessionBelief,
-    SessionSpread)
+    CERTAIN, NO_COVARIANCE, NO_SESSION, PoseCovariance, PoseMoments, SessionBelief, SessionSpread)
 
 
 class Anchor(NamedTuple):

@@ -54,8 +54,7 @@ class Evidence(NamedTuple):
     agrees: bool
 
 
-def evidence_of(
-        motion: WheelMotion, sample: WheelSample, timeout_ns: Optional[int]) -> Evidence:
+def evidence_of(motion: WheelMotion, sample: WheelSample, timeout_ns: Optional[int]) -> Evidence:
     """
     Return what is known of the wheels at a sample.
 
@@ -94,8 +93,7 @@ def evidence_of(
         and agree_within_rounding(held[1], right, positions[1], reference[1])))
 
 
-def agree_within_rounding(
-        held: float, measured: float, position: float, reference: float) -> bool:
+def agree_within_rounding(held: float, measured: float, position: float, reference: float) -> bool:
     """
     Tell whether two angles differ by no more than what rounding of the positions makes.
 

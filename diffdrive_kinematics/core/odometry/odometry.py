@@ -30,8 +30,7 @@ from diffdrive_kinematics.core.odometry.measured_wheels import MeasuredWheels
 from diffdrive_kinematics.core.odometry.odometry_state import OdometryState
 from diffdrive_kinematics.core.odometry.sender_clock import SenderClock
 from diffdrive_kinematics.core.odometry.timeouts import tolerance_of
-from diffdrive_kinematics.core.odometry.wheel_sample import (
-    Verdict, WheelPair, WheelSample, ZERO)
+from diffdrive_kinematics.core.odometry.wheel_sample import Verdict, WheelPair, WheelSample, ZERO
 from diffdrive_kinematics.core.odometry.wheel_track import WheelTrack
 
 REPEATED, OUT_OF_ORDER = Verdict.REPEATED, Verdict.OUT_OF_ORDER  # an enum is slow to look up

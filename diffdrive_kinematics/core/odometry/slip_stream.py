@@ -127,11 +127,9 @@ class SlipStream:
         if late or result.verdict is Verdict.OUT_OF_ORDER:
             return self, None, result.verdict
         if result.verdict is Verdict.CLOCK_STEP:
-            stream = replace(
-                self, motion=result.motion, last_out_ns=sample.stamp_ns, ahead=ZERO)
+            stream = replace(self, motion=result.motion, last_out_ns=sample.stamp_ns, ahead=ZERO)
             return stream, stream._out(sample, result.motion, ratios=None), result.verdict
-        return (*self._perturbed(sample, result.motion, result.rolled, generator),
-                result.verdict)
+        return *self._perturbed(sample, result.motion, result.rolled, generator), result.verdict
 
     def _perturbed(
             self, sample: WheelSample, motion: WheelMotion, anchor_moved: WheelPair,

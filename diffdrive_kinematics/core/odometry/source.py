@@ -143,8 +143,7 @@ class Source(NamedTuple):
         """
         if self.gap and received.tag == self.last.tag and received.joints == self.last.joints \
                 and self.gap[0].number < received.number < self.gap[1].number:
-            return (Source(self.first, self.gap[0], self.moved),
-                    Source(self.gap[1], self.last))
+            return Source(self.first, self.gap[0], self.moved), Source(self.gap[1], self.last)
         return self,
 
     def precedes(self, received: JointMessage) -> bool:

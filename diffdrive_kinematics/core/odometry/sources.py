@@ -211,8 +211,7 @@ class Sources(NamedTuple):
         return contested and self._place(source) < self._place(rival)
 
     def _place(self, source: Source) -> int:
-        return next(place for place, each in enumerate(self.known)
-                    if each.first is source.first)
+        return next(place for place, each in enumerate(self.known) if each.first is source.first)
 
 
 def _in_turn(before: JointMessage, received: JointMessage, others: Sequence[Source]) -> bool:

@@ -93,8 +93,7 @@ def baseline(sample: WheelSample, anchor_ns: Optional[int] = None) -> WheelMotio
         sample.source, sample.positions is not None or is_run(sample.source))
 
 
-def anchored(
-        motion: WheelMotion, time_ns: int, rates: WheelPair, angle: WheelPair) -> WheelMotion:
+def anchored(motion: WheelMotion, time_ns: int, rates: WheelPair, angle: WheelPair) -> WheelMotion:
     """
     Return the motion with its anchor at a later time.
 
@@ -148,8 +147,7 @@ def shifted(motion: WheelMotion, step_ns: int) -> WheelMotion:
     (3, 3)
 
     """
-    return motion._replace(
-        anchor_ns=motion.anchor_ns + step_ns, last_ns=motion.last_ns + step_ns)
+    return motion._replace(anchor_ns=motion.anchor_ns + step_ns, last_ns=motion.last_ns + step_ns)
 
 
 def rolled(motion: WheelMotion, time_ns: int, timeout_ns: Optional[int]) -> WheelPair:

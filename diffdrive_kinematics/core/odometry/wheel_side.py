@@ -203,8 +203,7 @@ class SideTrack(NamedTuple):
                 abs(travel) == longest and count >= LEAST_CHANGES
                 for travel, count in zip(travels, self.changes)):
             return self, self.position
-        apart, left_out = judged(
-            travels, known, self.left_out, abs(other - self.start_other))
+        apart, left_out = judged(travels, known, self.left_out, abs(other - self.start_other))
         disagreement = Disagreement(travels, left_out) if apart else None
         track = self._replace(disagreement=disagreement)
         if left_out != self.left_out:

@@ -21,8 +21,7 @@ from diffdrive_kinematics.core.kinematics import RunningSum
 from diffdrive_kinematics.core.odometry.measured_wheels import MeasuredWheels
 from diffdrive_kinematics.core.odometry.sender_clock import SenderClock
 from diffdrive_kinematics.core.odometry.timeouts import tolerance_of
-from diffdrive_kinematics.core.odometry.wheel_motion import (
-    is_silent, rolled, shifted, WheelMotion)
+from diffdrive_kinematics.core.odometry.wheel_motion import is_silent, rolled, shifted, WheelMotion
 from diffdrive_kinematics.core.odometry.wheel_sample import WheelPair, ZERO
 
 W = TypeVar('W', bound='WheelState')

@@ -25,8 +25,7 @@ from diffdrive_kinematics.core.kinematics import RunningSum
 from diffdrive_kinematics.core.odometry.motion_update import update_motion
 from diffdrive_kinematics.core.odometry.sender_clock import SenderClock
 from diffdrive_kinematics.core.odometry.timeouts import tolerance_of
-from diffdrive_kinematics.core.odometry.wheel_motion import (
-    anchored, baseline, is_silent, rates_at)
+from diffdrive_kinematics.core.odometry.wheel_motion import anchored, baseline, is_silent, rates_at
 from diffdrive_kinematics.core.odometry.wheel_sample import (
     is_run, Verdict, WheelPair, WheelSample, ZERO)
 from diffdrive_kinematics.core.odometry.wheel_state import WheelState

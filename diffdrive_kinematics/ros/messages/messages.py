@@ -68,8 +68,7 @@ def pose_in_plane(pose: PoseMessage) -> Pose:
     return planar_pose(at.x, at.y, (q.x, q.y, q.z, q.w))
 
 
-def given_pose(message: PoseWithCovarianceStamped, frame_id: str) -> Tuple[
-        Pose, PoseCovariance]:
+def given_pose(message: PoseWithCovarianceStamped, frame_id: str) -> Tuple[Pose, PoseCovariance]:
     """
     Return pose and covariance in the plane of a message in a frame.
 

@@ -173,8 +173,7 @@ class OdometryCodec:
         """Return the message with a stamp and the state of the base."""
         return self.encoded(stamp_ns, *state.pose, *state.twist)
 
-    def encoded(
-            self, stamp_ns: int, x: float, y: float, theta: float, v: float, w: float) -> Any:
+    def encoded(self, stamp_ns: int, x: float, y: float, theta: float, v: float, w: float) -> Any:
         """Return the message with a stamp, a pose and a twist."""
         message = Odometry(
             header=header_of(self.frame_id, stamp_ns), child_frame_id=self.child_frame_id)
@@ -185,8 +184,7 @@ class OdometryCodec:
         return message
 
 
-def _write(
-        matrix: MutableSequence[float], block: Iterable[int], values: Iterable[float]) -> None:
+def _write(matrix: MutableSequence[float], block: Iterable[int], values: Iterable[float]) -> None:
     for index, value in zip(block, values):
         matrix[index] = value
 

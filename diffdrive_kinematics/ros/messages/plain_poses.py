@@ -19,8 +19,7 @@ from typing import Deque, List
 
 from diffdrive_kinematics.core.kinematics import Array, Pose
 from diffdrive_kinematics.ros.messages.plain import header_of, pose_message
-from geometry_msgs.msg import (
-    Point32, PolygonStamped, Pose as PoseMessage, PoseArray, PoseStamped)
+from geometry_msgs.msg import Point32, PolygonStamped, Pose as PoseMessage, PoseArray, PoseStamped
 from nav_msgs.msg import Path
 from std_msgs.msg import Header
 

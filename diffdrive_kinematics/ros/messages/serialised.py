@@ -26,14 +26,12 @@ from typing import Optional, Sequence
 from diffdrive_kinematics.core.kinematics import NANOSECONDS, Pose
 from diffdrive_kinematics.core.noise import PoseCovariance, TwistCovariance
 from diffdrive_kinematics.ros.messages import plain
-from diffdrive_kinematics.ros.messages.cdr import (
-    HEADER, Layout, STAMP_AT, Template, write_stamp)
+from diffdrive_kinematics.ros.messages.cdr import HEADER, Layout, STAMP_AT, Template, write_stamp
 from diffdrive_kinematics.ros.messages.messages import quaternion_of
 from diffdrive_kinematics.ros.messages.plain import StampedTwist
 from diffdrive_kinematics.ros.messages.serialised_joints import JointStateCodec
 
-__all__ = [
-    'JointStateCodec', 'OdometryCodec', 'TransformCodec', 'TwistCodec', 'WheelCommandCodec']
+__all__ = ['JointStateCodec', 'OdometryCodec', 'TransformCodec', 'TwistCodec', 'WheelCommandCodec']
 
 TWIST_DOUBLES, ODOMETRY_DOUBLES = 6, 85
 POSE_COVARIANCE_AT, TWIST_AT, TWIST_COVARIANCE_AT = 7, 43, 49

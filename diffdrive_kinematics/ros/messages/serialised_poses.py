@@ -90,8 +90,7 @@ def encode_polygon(header: Header, x: Array, y: Array) -> bytes:
 
 def _message(header: Header, rows: 'NDArray[np.floating]') -> bytes:
     """Return a header and a sequence of structures that have but numbers of one type."""
-    front = stamped_sequence(
-        header.stamp.sec, header.stamp.nanosec, header.frame_id, len(rows))
+    front = stamped_sequence(header.stamp.sec, header.stamp.nanosec, header.frame_id, len(rows))
     if not len(rows):
         return front
     padding = bytes((len(HEADER) - len(front)) % rows.itemsize)

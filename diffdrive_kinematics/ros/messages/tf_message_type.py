@@ -165,8 +165,7 @@ def tf_message_type() -> Optional[type]:
     own_members = _Members(
         b'tf2_msgs__msg', NAME, 1, members.size - members.members[1].offset, False,
         (_Member * 1)(transforms), members.functions)
-    callbacks = _Callbacks(
-        b'tf2_msgs::msg', NAME, _Callbacks.from_address(path.data).functions)
+    callbacks = _Callbacks(b'tf2_msgs::msg', NAME, _Callbacks.from_address(path.data).functions)
     hashed = ctypes.create_string_buffer(HASH_VERSION + HASH, 1 + len(HASH))
     description = _description(transform, kept)
     tell_hash = TELL(lambda _: ctypes.addressof(hashed))

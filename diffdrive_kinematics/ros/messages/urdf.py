@@ -110,8 +110,7 @@ def _add_body(link: ElementTree.Element, geometry: WheelGeometry, shape: Shape) 
                 size=_numbers(shape.wheel_base + GAP * radius, width, radius))
 
 
-def _add_wheel(
-        robot: ElementTree.Element, base: str, wheel: Wheel, width: float) -> None:
+def _add_wheel(robot: ElementTree.Element, base: str, wheel: Wheel, width: float) -> None:
     if wheel.gear_ratio == 1.0:
         _add_joint(robot, base, wheel, wheel.joint, wheel.link)
     else:

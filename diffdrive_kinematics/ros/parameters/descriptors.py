@@ -61,8 +61,7 @@ Answer = Callable[[DescribeParameters.Request, DescribeParameters.Response],
                   DescribeParameters.Response]
 
 
-def with_ranges(
-        answer: Answer, table: Callable[[], Mapping[str, ParameterSpec]]) -> Answer:
+def with_ranges(answer: Answer, table: Callable[[], Mapping[str, ParameterSpec]]) -> Answer:
     """
     Return the answer of the service that describes parameters, with ranges of numbers added.
 
@@ -88,8 +87,7 @@ def with_ranges(
     return ranged
 
 
-def _ranged(
-        kept: ParameterDescriptor, entry: Optional[ParameterSpec]) -> ParameterDescriptor:
+def _ranged(kept: ParameterDescriptor, entry: Optional[ParameterSpec]) -> ParameterDescriptor:
     """Return a copy of a descriptor with the range of the parameter, where it has one."""
     ends = entry and range_of(entry)
     if not ends:

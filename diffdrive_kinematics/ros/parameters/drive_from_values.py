@@ -35,10 +35,9 @@ def drive_settings(values: Values) -> DriveSettings:
     """Return the settings of a controller's values; ``ValueError`` names what is wrong."""
     response = command_response(values)
     return DriveSettings(
-        wheel_geometry(values), axis_limits(values, 'linear.x'),
-        axis_limits(values, 'angular.z'), max_wheel_rate=values['max_wheel_rate'],
-        cmd_vel_timeout=values['cmd_vel_timeout'], update_rate=values['update_rate'],
-        response=response if values['use_response'] else None)
+        wheel_geometry(values), axis_limits(values, 'linear.x'), axis_limits(values, 'angular.z'),
+        max_wheel_rate=values['max_wheel_rate'], cmd_vel_timeout=values['cmd_vel_timeout'],
+        update_rate=values['update_rate'], response=response if values['use_response'] else None)
 
 
 def command_response(values: Values) -> Optional[CommandResponse]:

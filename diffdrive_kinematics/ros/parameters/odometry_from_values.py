@@ -18,8 +18,7 @@ import math
 from typing import Any, Mapping, Optional, Tuple
 
 from diffdrive_kinematics.core.kinematics import Pose, WheelGeometry
-from diffdrive_kinematics.core.noise import (
-    CERTAIN, heading_moments, PoseMoments, sample_heading)
+from diffdrive_kinematics.core.noise import CERTAIN, heading_moments, PoseMoments, sample_heading
 from diffdrive_kinematics.core.odometry import MeasuredWheels, Odometry, RateWindow, WheelPair
 from diffdrive_kinematics.ros.parameters.from_values import body_slip, session_spread
 import numpy as np
@@ -75,8 +74,7 @@ def configured_odometry(
     counting = _counting(old, values)
     if (geometry, timeout_ns, slip_variances, counting.anchor, counting.body_slip) != (
             old.geometry, old.timeout_ns, old.slip_variances, old.anchor, old.body_slip):
-        old = _counting(
-            old.configured(geometry, timeout_ns, now_ns, slip_variances), values)
+        old = _counting(old.configured(geometry, timeout_ns, now_ns, slip_variances), values)
     return old._replace(wheels=old.wheels._replace(max_rate=_encoder_bound(values)))
 
 

@@ -94,8 +94,7 @@ def check_positive_or_nan(name: str, value: float) -> None:
 
 def check_offset(name: str, value: float) -> None:
     if not (math.isnan(value) or abs(value) <= MOST_OFFSET):
-        raise ValueError(
-            f'{name} is {value!r}, expected seconds within +-{MOST_OFFSET:g}, or NaN')
+        raise ValueError(f'{name} is {value!r}, expected seconds within +-{MOST_OFFSET:g}, or NaN')
 
 
 def check_horizon(name: str, value: float) -> None:

@@ -71,5 +71,4 @@ def file(
 
 
 def topic(name: str, default: str, description: str, *, optional: bool = False) -> ParameterSpec:
-    return string(
-        name, default, description, check_optional_topic if optional else check_topic)
+    return string(name, default, description, check_optional_topic if optional else check_topic)

@@ -245,6 +245,5 @@ class ParameterSet(Generic[Config]):
         """Report sections, and names in them, that were probably meant for another node."""
         sections, node = sections_of(params_files(argv)), self._node.get_fully_qualified_name()
         for text in (*doubts(sections, node, tuple(self._table.values()), given, neighbours),
-                     *misplaced(sections, node, self._table),
-                     *shadowed(sections, node, argv)):
+                     *misplaced(sections, node, self._table), *shadowed(sections, node, argv)):
             self._node.get_logger().warning(text)

@@ -27,9 +27,7 @@ from typing import (
 from diffdrive_kinematics.ros.parameters.parameter_spec import ParameterSpec
 from diffdrive_kinematics.ros.parameters.tables import KNOWN_NAMES, TABLES
 
-__all__ = [
-    'Section', 'doubts', 'matches', 'misplaced', 'params_files', 'sections_of',
-    'shadowed']
+__all__ = ['Section', 'doubts', 'matches', 'misplaced', 'params_files', 'sections_of', 'shadowed']
 
 PARAMETERS = 'ros__parameters'
 ALIKE = 0.9  # of difflib: one letter of ten
@@ -148,8 +146,7 @@ def doubts(
                    f"but {node} {reason}: was '/**/{name}' meant{executable}?")
 
 
-def misplaced(
-        sections: Sequence[Section], node: str, known: Collection[str]) -> Iterator[str]:
+def misplaced(sections: Sequence[Section], node: str, known: Collection[str]) -> Iterator[str]:
     """
     Yield a warning for each section of a node that sets what only other nodes know.
 

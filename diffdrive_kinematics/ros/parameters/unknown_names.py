@@ -22,8 +22,7 @@ from diffdrive_kinematics.ros.parameters.tables import KNOWN_NAMES
 __all__ = ['ALIASES', 'aliased', 'report_unknown']
 
 BUILT_IN = ('use_sim_time', 'start_type_description_service')
-ALIASES = {
-    'use_stamped_vel': 'enable_stamped_cmd_vel', 'publish_cmd': 'publish_limited_velocity'}
+ALIASES = {'use_stamped_vel': 'enable_stamped_cmd_vel', 'publish_cmd': 'publish_limited_velocity'}
 """Older names of ros2_controllers' parameters, which are obeyed."""
 
 R2C, FAKE, LOOPBACK = 'ros2_controllers', 'turtlebot3_fake_node', 'nav2_loopback_sim'

@@ -69,8 +69,7 @@ class WheelCommandPublisher:
             if self._set_point_publisher:
                 self._set_point_publisher.publish(self._set_points.encode(command.rates))
             if self._twist_publisher:
-                self._twist_publisher.publish(
-                    self._twist.encode(command.stamp_ns, *command.twist))
+                self._twist_publisher.publish(self._twist.encode(command.stamp_ns, *command.twist))
 
     def clock_stepped(self, step_ns: int) -> None:
         """Note that the clock of the stamps was stepped."""

@@ -44,8 +44,7 @@ class ClockStepGuard:
     def __init__(self, executor: Executor) -> None:
         self._executor = executor
         self._over = False
-        self._thread = (
-            threading.Thread(target=self._look, daemon=True) if _is_needed() else None)
+        self._thread = threading.Thread(target=self._look, daemon=True) if _is_needed() else None
 
     def __enter__(self) -> 'ClockStepGuard':
         if self._thread:

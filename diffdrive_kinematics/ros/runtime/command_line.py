@@ -18,8 +18,7 @@ import sys
 from typing import Optional, Sequence
 
 from diffdrive_kinematics.ros.parameters.package_share import share_directory
-from diffdrive_kinematics.ros.parameters.parameter_checks import (
-    check_optional_topic, check_topic)
+from diffdrive_kinematics.ros.parameters.parameter_checks import check_optional_topic, check_topic
 from diffdrive_kinematics.ros.parameters.parameter_spec import ParameterSpec
 from diffdrive_kinematics.ros.parameters.tables import TABLES
 from diffdrive_kinematics.ros.runtime.output import complain, exit_status, report

@@ -33,9 +33,8 @@ __all__ = [
 TOPIC = '/diagnostics'
 OK, WARN, ERROR = DiagnosticStatus.OK, DiagnosticStatus.WARN, DiagnosticStatus.ERROR
 SEVERITY = (OK, WARN, ERROR)  # STALE is the aggregator's word for who does not report
-ALARMS = {'refused': ERROR, 'timeouts': WARN, 'out of order': WARN,
-          'clock steps in stamps': WARN, 'clock steps': WARN, 'position jumps': WARN,
-          'old commands': WARN}
+ALARMS = {'refused': ERROR, 'timeouts': WARN, 'out of order': WARN, 'clock steps in stamps': WARN,
+          'clock steps': WARN, 'position jumps': WARN, 'old commands': WARN}
 SLOW = 0.8  # of the rate that is set
 FEWEST_TO_JUDGE = 5
 

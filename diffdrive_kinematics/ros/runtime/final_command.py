@@ -37,8 +37,7 @@ BEST_EFFORT_SENDS = 3  # how often it is sent where nobody acknowledges
 FEWEST_SENDS = 10
 
 
-def repeat_until_acknowledged(
-        node: Node, publish: Callable[[], Sequence[Publisher]]) -> None:
+def repeat_until_acknowledged(node: Node, publish: Callable[[], Sequence[Publisher]]) -> None:
     """Call ``publish``, which returns the publishers it used, until all subscribers have it."""
     publishers = publish()
     if any(_has_best_effort_subscriber(node, publisher) for publisher in publishers):

@@ -74,8 +74,7 @@ class Runtime:
         """Return the time [ns] on the node's clock."""
         return self._time()
 
-    def every(
-            self, rate: float, callback: Callable[[], None], *, steadily: bool = False) -> Any:
+    def every(self, rate: float, callback: Callable[[], None], *, steadily: bool = False) -> Any:
         """
         Return a timer that calls back at a rate [Hz]; ``steadily`` although simulated time stands.
 
@@ -182,8 +181,7 @@ class Runtime:
         else:
             self._endpoints.destroy(subscription)
 
-    def serve(
-            self, service_type: type, name: str, callback: Callable[[Any, Any], Any]) -> Service:
+    def serve(self, service_type: type, name: str, callback: Callable[[Any, Any], Any]) -> Service:
         """
         Return a service; ``callback`` fills in the response to a request and returns it.
 

@@ -44,16 +44,14 @@ class SteppedRuntime(Runtime):
     def __init__(
             self, node: Any, rejections: Rejections, clock: SteppedClock,
             in_flight: InFlightMessages) -> None:
-        super().__init__(
-            node, rejections, Endpoints(node, STEPPED_QUEUE_DEPTH, lossless=True))
+        super().__init__(node, rejections, Endpoints(node, STEPPED_QUEUE_DEPTH, lossless=True))
         self._stepped, self._in_flight, self.clock = clock, in_flight, clock.ros_clock
 
     def now_ns(self) -> int:
         """Return the time [ns] that was set."""
         return self._stepped.now_ns()
 
-    def every(
-            self, rate: float, callback: Callable[[], None], *, steadily: bool = False) -> Any:
+    def every(self, rate: float, callback: Callable[[], None], *, steadily: bool = False) -> Any:
         """Return a timer of the stepped clock."""
         return self._stepped.create_timer(period_ns(rate), callback)
 
@@ -92,8 +90,7 @@ class LeanRuntime(Runtime):
         self._timers = timers
         self._on_real_time = not self.clock.ros_time_is_active
 
-    def every(
-            self, rate: float, callback: Callable[[], None], *, steadily: bool = False) -> Any:
+    def every(self, rate: float, callback: Callable[[], None], *, steadily: bool = False) -> Any:
         """Return a timer of the loop; one of rclpy's where it is to follow simulated time."""
         if steadily or self._on_real_time:
             return self._timers.create_timer(period_ns(rate), callback)

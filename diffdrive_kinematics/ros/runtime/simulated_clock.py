@@ -49,8 +49,7 @@ class ClockWatch:
 
     """
 
-    def __init__(
-            self, runtime: Runtime, logger: Any, on_look: Callable[[float], None]) -> None:
+    def __init__(self, runtime: Runtime, logger: Any, on_look: Callable[[float], None]) -> None:
         self._runtime, self._logger, self._on_look = runtime, logger, on_look
         self._shown_ns = runtime.now_ns()
         self._since = self._report_at = time.monotonic()
