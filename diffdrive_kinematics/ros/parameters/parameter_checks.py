@@ -56,6 +56,37 @@ def _integer(least: int, most: int) -> Within:
     return Within(least, most, f'an integer from {least} to {most}')
 
 
+def _file(expected: str, *endings: str) -> Check:
+    def check(name: str, value: str) -> None:
+        if not value.endswith(endings):
+            raise ValueError(f'{name} is {value!r}, expected the name of {expected}')
+    return check
+
+
+def _or_off(check: Check) -> Check:
+    """Return a check that 0 and the empty string pass, too."""
+    def optional(name: str, value: Any) -> None:
+        if value:
+            check(name, value)
+    return optional
+
+
+def _or_nan(check: Check) -> Check:
+    """Return a check that NaN passes, too: the value is not set."""
+    def optional(name: str, value: float) -> None:
+        if not math.isnan(value):
+            check(name, value)
+    return optional
+
+
+def check_topic(name: str, value: str) -> None:
+    try:
+        validate_topic_name(value)
+    except InvalidTopicNameException as error:
+        reason = str(error).partition(':')[2].strip().partition(':\n')[0]
+        raise ValueError(f'{name} is {value!r}, expected a topic name ({reason})') from None
+
+
 check_count, check_window = _integer(1, 100_000), _integer(1, 1000)
 check_stages, check_rounds = _integer(1, 25), _integer(0, 1000)
 check_seed = Within(0, MOST_INTEGER, 'an integer, 0 or above')
@@ -69,27 +100,21 @@ check_slip = Within(  # [m, rad, rad^2/m, rad/m]; with more, covariances are no 
 check_gear_ratio = Within(
     1e-3, 1e6, 'turns of the motor a turn of the wheel, from 1e-3 to 1e6; where it turns the '
     'other way there is left_wheel_inverted')
-
-
-def check_rate_or_off(name: str, value: float) -> None:
-    if value:
-        check_rate(name, value)
+check_rate_or_off, check_optional_topic = _or_off(check_rate), _or_off(check_topic)
+check_resolution = _or_off(Within(1e-3, 1e9, '0, or from 1e-3 to 1e9 ticks a turn'))
+check_range = _or_off(Within(1e-6, 1e12, '0, or a range from 1e-6 to 1e12 rad'))
+check_step = _or_off(Within(1e-6, 1.0, '0, or a step from 1e-6 to 1 s'))
+check_positive_or_nan = _or_nan(check_positive)
+check_non_negative_or_nan = _or_nan(check_non_negative)
+check_picture = _file('a .png or .svg file', '.png', '.svg')
+check_optional_picture = _or_off(check_picture)
+check_recording = _or_off(_file('an .mcap file or a .csv file', '.csv', '.mcap'))
+check_description = _or_off(_file('a .urdf or .yaml file', '.urdf', '.yaml'))
 
 
 def check_joint_names(name: str, value: Tuple[str, ...]) -> None:
     if not value or not all(value) or len(set(value)) != len(value):
         raise ValueError(f'{name} is {list(value)!r}, expected one or more different joint names')
-
-
-def check_non_negative_or_nan(name: str, value: float) -> None:
-    """Raise unless the value is 0 or above, or NaN: it is not set."""
-    if not math.isnan(value):
-        check_non_negative(name, value)
-
-
-def check_positive_or_nan(name: str, value: float) -> None:
-    if not math.isnan(value):
-        check_positive(name, value)
 
 
 def check_offset(name: str, value: float) -> None:
@@ -102,41 +127,11 @@ def check_horizon(name: str, value: float) -> None:
     check_duration(name, value)
 
 
-def check_picture(name: str, value: str) -> None:
-    if not value.endswith(('.png', '.svg')):
-        raise ValueError(f'{name} is {value!r}, expected the name of a .png or .svg file')
-
-
-def check_optional_picture(name: str, value: str) -> None:
-    if value:
-        check_picture(name, value)
-
-
-def check_recording(name: str, value: str) -> None:
-    if value and not value.endswith(('.csv', '.mcap')):
-        raise ValueError(f'{name} is {value!r}, expected the name of an .mcap file or a .csv file')
-
-
 def check_one_of(*known: str) -> Check:
     def check(name: str, value: str) -> None:
         if value not in known:
             raise ValueError(f"{name} is {value!r}, expected one of {', '.join(map(repr, known))}")
     return check
-
-
-def check_description(name: str, value: str) -> None:
-    if value and not value.endswith(('.urdf', '.yaml')):
-        raise ValueError(f'{name} is {value!r}, expected the name of a .urdf or .yaml file')
-
-
-def check_resolution(name: str, value: float) -> None:
-    if value and not 1e-3 <= value <= 1e9:
-        raise ValueError(f'{name} is {value!r}, expected 0, or from 1e-3 to 1e9 ticks a turn')
-
-
-def check_range(name: str, value: float) -> None:
-    if value and not 1e-6 <= value <= 1e12:
-        raise ValueError(f'{name} is {value!r}, expected 0, or a range from 1e-6 to 1e12 rad')
 
 
 def check_radius_multiplier(name: str, value: float) -> None:
@@ -149,11 +144,6 @@ def check_radius_multiplier(name: str, value: float) -> None:
 def check_pose(name: str, value: Tuple[float, ...]) -> None:
     if len(value) != 3 or not all(map(math.isfinite, value)):
         raise ValueError(f'{name} is {list(value)!r}, expected three finite numbers [x, y, yaw]')
-
-
-def check_step(name: str, value: float) -> None:
-    if value and not 1e-6 <= value <= 1.0:
-        raise ValueError(f'{name} is {value!r}, expected 0, or a step from 1e-6 to 1 s')
 
 
 def check_diagonal(name: str, value: Tuple[float, ...]) -> None:
@@ -195,16 +185,3 @@ def _check_part_of_frame(name: str, value: str) -> None:
 
 def check_bias(name: str, value: float) -> None:
     check_above(name, value, -1.0)
-
-
-def check_topic(name: str, value: str) -> None:
-    try:
-        validate_topic_name(value)
-    except InvalidTopicNameException as error:
-        reason = str(error).partition(':')[2].strip().partition(':\n')[0]
-        raise ValueError(f'{name} is {value!r}, expected a topic name ({reason})') from None
-
-
-def check_optional_topic(name: str, value: str) -> None:
-    if value:
-        check_topic(name, value)
