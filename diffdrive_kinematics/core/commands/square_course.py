@@ -23,7 +23,7 @@ import math
 from typing import List, NamedTuple, Tuple
 
 from diffdrive_kinematics.core.kinematics import (
-    check_length, check_non_negative, check_positive, Command)
+    check_count, check_length, check_non_negative, check_positive, Command)
 
 QUARTER = 0.5 * math.pi
 SHORTEST_REST_S = 1.0
@@ -143,6 +143,7 @@ def square_rounds(
     ([12.5, 25.5], 26.0)
 
     """
+    check_count('rounds', rounds)
     rest = Command(0.0, 0.0, max(SHORTEST_REST_S, 2.0 * pause))
     commands: List[Command] = []
     runs: List[SquareRun] = []

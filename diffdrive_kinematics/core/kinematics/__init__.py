@@ -23,7 +23,7 @@ their digits over a day of driving.
 from diffdrive_kinematics.core.kinematics.angles import wrap_angle
 from diffdrive_kinematics.core.kinematics.arc import advance, displacement, sinc
 from diffdrive_kinematics.core.kinematics.checks import (
-    check_above, check_finite, check_non_negative, check_positive, is_sane, LARGEST)
+    check_above, check_count, check_finite, check_non_negative, check_positive, is_sane, LARGEST)
 from diffdrive_kinematics.core.kinematics.compensated import RunningSum
 from diffdrive_kinematics.core.kinematics.geometry import (
     Number, pose_change_from_travel, travel_from_angles, twist_from_wheel_rates,
@@ -41,10 +41,10 @@ from diffdrive_kinematics.core.kinematics.units import NANOSECONDS
 
 __all__ = [
     'Array', 'Command', 'LARGEST', 'NANOSECONDS', 'Number', 'Pose', 'RunningSum', 'Scalar',
-    'WheelGeometry', 'advance', 'between', 'check_above', 'check_duration', 'check_finite',
-    'check_length', 'check_non_negative', 'check_positive', 'check_rate', 'check_times',
-    'compose', 'displacement', 'euler', 'integrate_euler', 'integrate_runge_kutta', 'inverse',
-    'inverse_jacobian', 'is_sane', 'jacobian', 'pose_after', 'pose_change_from_travel',
+    'WheelGeometry', 'advance', 'between', 'check_above', 'check_count', 'check_duration',
+    'check_finite', 'check_length', 'check_non_negative', 'check_positive', 'check_rate',
+    'check_times', 'compose', 'displacement', 'euler', 'integrate_euler', 'integrate_runge_kutta',
+    'inverse', 'inverse_jacobian', 'is_sane', 'jacobian', 'pose_after', 'pose_change_from_travel',
     'pose_rate', 'poses_along', 'retraced', 'runge_kutta', 'sinc', 'travel_from_angles',
     'turning_centre', 'turning_radius', 'twist_from_wheel_rates', 'wheel_rates_from_twist',
     'wrap_angle']

@@ -15,11 +15,14 @@
 """
 Checks of single values, with errors that say what, how much, and what was expected.
 
-Every check takes the name under which the user knows the value, returns the value as a float,
-and raises ``ValueError``.  A value passes where it lies between two bounds, so NaN never does.
+Every check takes the name under which the user knows the value, returns the value as a float (a
+count as an int), and raises ``ValueError``.  A value passes where it lies between two bounds, so
+NaN never does.
 """
 
 import math
+
+import numpy as np
 
 LARGEST = 1e12
 """Bound of every rate, speed and travel: far above any wheel, far below overflow."""
@@ -195,6 +198,44 @@ def check_above(name: str, value: float, bound: float) -> float:
     if bound < number < math.inf:
         return number
     raise _error(name, value, f'a finite number above {bound!r}')
+
+
+def check_count(name: str, value: int, least: int = 1) -> int:
+    """
+    Return ``value`` as an int, or raise unless it is an integer and at least ``least``.
+
+    Parameters
+    ----------
+    name : str
+        What the user calls the value; the error names it.
+    value : int
+        Value to check.
+    least : int
+        Least value that passes.
+
+    Returns
+    -------
+    int
+        The value.
+
+    Raises
+    ------
+    ValueError
+        If the value is no integer (a bool or 2.0, too), or is below the least.
+
+    Examples
+    --------
+    >>> check_count('threads', 4)
+    4
+    >>> check_count('threads', math.nan)
+    Traceback (most recent call last):
+    ValueError: threads is nan, expected an integer, 1 or above
+
+    """
+    whole = isinstance(value, (int, np.integer)) and not isinstance(value, bool)
+    if whole and value >= least:
+        return int(value)
+    raise _error(name, value, f'an integer, {least!r} or above')
 
 
 def _error(name: str, value: float, expected: str) -> ValueError:

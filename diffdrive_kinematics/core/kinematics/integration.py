@@ -22,7 +22,7 @@ of a peer costs in accuracy.
 
 from typing import Callable, Tuple
 
-from diffdrive_kinematics.core.kinematics.checks import check_finite
+from diffdrive_kinematics.core.kinematics.checks import check_count, check_finite
 from diffdrive_kinematics.core.kinematics.pose import Pose, pose_rate, Scalar
 
 State = Tuple[Scalar, ...]
@@ -58,7 +58,7 @@ def euler(state: State, rate: RateOfState, *, start: float, duration: float, ste
     Raises
     ------
     ValueError
-        If ``steps`` is not positive or a time is not finite.
+        If ``steps`` is no integer, 1 or above, or a time is not finite.
 
     Examples
     --------
@@ -104,7 +104,7 @@ def runge_kutta(
     Raises
     ------
     ValueError
-        If ``steps`` is not positive or a time is not finite.
+        If ``steps`` is no integer, 1 or above, or a time is not finite.
 
     Examples
     --------
@@ -157,7 +157,7 @@ def integrate_euler(
     Raises
     ------
     ValueError
-        If ``steps`` is not positive or a time is not finite.
+        If ``steps`` is no integer, 1 or above, or a time is not finite.
 
     Examples
     --------
@@ -201,7 +201,7 @@ def integrate_runge_kutta(
     Raises
     ------
     ValueError
-        If ``steps`` is not positive or a time is not finite.
+        If ``steps`` is no integer, 1 or above, or a time is not finite.
 
     Examples
     --------
@@ -228,6 +228,4 @@ def _moved(state: State, rate: State, step: float) -> State:
 def _check_step(start: float, duration: float, steps: int) -> float:
     check_finite('start', start)
     check_finite('duration', duration)
-    if steps < 1:
-        raise ValueError(f'steps is {steps!r}, expected 1 or more')
-    return duration / steps
+    return duration / check_count('steps', steps)

@@ -23,7 +23,7 @@ lie in a box W(u) (2.34); with any they have a density p(w|u), of which sample p
 from dataclasses import dataclass
 from typing import Sequence, Tuple
 
-from diffdrive_kinematics.core.kinematics import check_non_negative
+from diffdrive_kinematics.core.kinematics import check_count, check_non_negative
 from diffdrive_kinematics.core.models.system import Vector
 from diffdrive_kinematics.core.noise import check_distribution, draw_unit, unit_bound
 import numpy as np
@@ -183,7 +183,7 @@ def disturbed(
     Raises
     ------
     ValueError
-        If ``n`` is not positive.
+        If ``n`` is no integer, 1 or above.
 
     Examples
     --------
@@ -193,8 +193,7 @@ def disturbed(
     (True, True)
 
     """
-    if n < 1:
-        raise ValueError(f'n is {n!r}, expected 1 or more')
+    check_count('n', n)
     return tuple(
         u + deviation * draw_unit(disturbance.distribution, generator, n)
         for u, deviation in zip(command, disturbance.deviations(command)))

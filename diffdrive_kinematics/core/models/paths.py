@@ -16,7 +16,7 @@
 
 from typing import List, Sequence, Tuple
 
-from diffdrive_kinematics.core.kinematics import Array, Scalar
+from diffdrive_kinematics.core.kinematics import Array, check_count, Scalar
 from diffdrive_kinematics.core.models.disturbance import Disturbance, disturbed, Step
 from diffdrive_kinematics.core.models.system import ControlSystem, Vector
 from diffdrive_kinematics.core.models.transitions import transition
@@ -56,7 +56,8 @@ def sample_paths(
     Raises
     ------
     ValueError
-        If ``n`` is not positive, or the disturbance has not one number for each command.
+        If ``n`` is no integer, 1 or above, or the disturbance has not one number for each
+        command.
 
     Examples
     --------
@@ -68,6 +69,7 @@ def sample_paths(
     ((5, 50), True)
 
     """
+    check_count('n', n)
     state: Vector = tuple(np.array(np.broadcast_to(value, (n,)), np.float64) for value in start)
     path: List[Sequence[Scalar]] = [state]
     for command, duration in steps:

@@ -18,7 +18,7 @@ import math
 from typing import Callable
 
 from diffdrive_kinematics.core.kinematics import (
-    advance, check_finite, check_positive, euler, Pose, runge_kutta)
+    advance, check_count, check_finite, check_positive, euler, Pose, runge_kutta)
 from diffdrive_kinematics.core.models.rolling import Rolling
 from diffdrive_kinematics.core.models.system import admitted, ControlSystem, Vector
 
@@ -100,7 +100,7 @@ def transition_euler(
     Raises
     ------
     ValueError
-        If the duration is not finite or ``steps`` not positive.
+        If the duration is not finite or ``steps`` no integer, 1 or above.
 
     Examples
     --------
@@ -141,7 +141,7 @@ def transition_runge_kutta(
     Raises
     ------
     ValueError
-        If the duration is not finite or ``steps`` not positive.
+        If the duration is not finite or ``steps`` no integer, 1 or above.
 
     Examples
     --------
@@ -158,9 +158,7 @@ def transition_runge_kutta(
 def _stepped(
         method: Callable[..., Vector], system: ControlSystem, state: Vector, command: Vector,
         duration: float, steps: int) -> Vector:
-    if steps < 1:
-        raise ValueError(f'steps is {steps!r}, expected 1 or more')
-    for _ in range(steps):
+    for _ in range(check_count('steps', steps)):
         state = system.within(method(
             state, lambda at, _: system.rate(at, command), start=0.0, duration=duration / steps,
             steps=1))

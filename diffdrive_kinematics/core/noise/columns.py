@@ -101,7 +101,8 @@ def checked_out(out: Pose, poses: Columns, travel: Tuple[Scalar, Scalar]) -> Col
     Raises
     ------
     ValueError
-        If they have another length than the poses, are read-only or share memory.
+        If they have another length than the poses, are read-only or share memory, with each other
+        or among their own elements.
 
     Examples
     --------
@@ -117,6 +118,10 @@ def checked_out(out: Pose, poses: Columns, travel: Tuple[Scalar, Scalar]) -> Col
     for place, (name, column) in enumerate(zip(Pose._fields, columns)):
         if not column.flags.writeable:
             raise ValueError(f'{name} of out is read-only, expected an array to write into')
+        if len(column) > 1 and abs(column.strides[0]) < column.itemsize:
+            raise ValueError(
+                f'{name} of out has several poses in the same memory (stride '
+                f'{column.strides[0]}), expected a place for each')
         others = [each for where, each in read if where != place or not _same(each, column)]
         if any(np.shares_memory(column, each) for each in (*others, *columns[:place])):
             raise ValueError(

@@ -30,7 +30,7 @@ import math
 from typing import Optional, Sequence, Tuple, Union
 
 from diffdrive_kinematics.core.kinematics import (
-    Array, check_finite, Command, Pose, Scalar, WheelGeometry)
+    Array, check_count, check_finite, Command, Pose, Scalar, WheelGeometry)
 from diffdrive_kinematics.core.noise.arcs_in_place import move_chunk
 from diffdrive_kinematics.core.noise.body_slip import BodySlip, NO_BODY_SLIP
 from diffdrive_kinematics.core.noise.columns import (
@@ -110,8 +110,7 @@ def propagate(
     rows = len(columns.theta)
     d_left = _checked_travel('d_left', d_left, rows)
     d_right = _checked_travel('d_right', d_right, rows)
-    if threads < 1:
-        raise ValueError(f'threads is {threads!r}, expected 1 or more')
+    check_count('threads', threads)
     numbers = _checked_seed(seed)
     entropy = (len(numbers), *numbers)  # the seeds 1, (1, 0) and (1, 0, 0) are not the same
     if out is None:
@@ -177,8 +176,8 @@ def sample_paths(
     Raises
     ------
     ValueError
-        If ``n`` is not positive, a start is not finite or has another shape, or the seed is out
-        of range.
+        If ``n`` is no integer, 1 or above, a start is not finite or has another shape, or the
+        seed is out of range.
 
     Examples
     --------
@@ -189,8 +188,7 @@ def sample_paths(
     (26, 100)
 
     """
-    if n < 1:
-        raise ValueError(f'n is {n!r}, expected 1 or more')
+    check_count('n', n)
     numbers = _checked_seed(seed)
     at = Pose(*(_start(name, value, n) for name, value in zip(Pose._fields, pose)))
     path = [at]
@@ -228,7 +226,8 @@ def _checked_travel(name: str, travel: Scalar, rows: int) -> Scalar:
 def _checked_seed(seed: Seed) -> Tuple[int, ...]:
     numbers = tuple(seed) if isinstance(seed, (tuple, list)) else (seed,)
     if not numbers or not all(
-            isinstance(number, (int, np.integer)) and number >= 0 for number in numbers):
+            isinstance(number, (int, np.integer)) and not isinstance(number, bool)
+            and number >= 0 for number in numbers):
         raise ValueError(f'seed is {seed!r}, expected an integer, 0 or above, or several')
     return tuple(int(number) for number in numbers)
 

@@ -43,7 +43,7 @@ import math
 from typing import Sequence, Tuple, Union
 
 from diffdrive_kinematics.core.kinematics import (
-    Array, check_finite, check_non_negative, Pose, WheelGeometry)
+    Array, check_count, check_finite, check_non_negative, Pose, WheelGeometry)
 from diffdrive_kinematics.core.noise.body_slip import BodySlip, NO_BODY_SLIP
 from diffdrive_kinematics.core.noise.noise import WheelSlip
 from diffdrive_kinematics.core.noise.outline import outer_boundary
@@ -189,8 +189,7 @@ def _reachable(
         ('x', 'y', 'theta'), pose))
     if not stages:
         raise ValueError('travels is empty, expected at least one stage (d_left, d_right)')
-    if most_vertices < 64:
-        raise ValueError(f'most_vertices is {most_vertices!r}, expected 64 or more')
+    check_count('most_vertices', most_vertices, 64)
     stages, margin = with_pivots_joined(stages, geometry)
     share = SHARE / (len(stages) + 1)
     polygon = np.zeros(1, np.complex128)

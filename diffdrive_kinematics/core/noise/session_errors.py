@@ -28,7 +28,7 @@ whatever steps the path is cut into.  Bias and slip of the wheels come on top.
 from dataclasses import dataclass
 from typing import NamedTuple, Optional, Tuple
 
-from diffdrive_kinematics.core.kinematics import check_non_negative, Scalar
+from diffdrive_kinematics.core.kinematics import check_count, check_non_negative, Scalar
 import numpy as np
 
 LARGEST_FRACTION = 0.1
@@ -181,6 +181,11 @@ def draw_session(
     SessionError
         Floats, or arrays of shape (runs,).
 
+    Raises
+    ------
+    ValueError
+        If ``runs`` is no integer, 1 or above.
+
     Examples
     --------
     >>> error = draw_session(SessionSpread(scale=0.01), np.random.default_rng(1), runs=100000)
@@ -188,6 +193,8 @@ def draw_session(
     '0.010 0.000'
 
     """
+    if runs is not None:
+        check_count('runs', runs)
     drawn = generator.standard_normal(3 if runs is None else (3, runs))
     scale, separation, curvature = (
         stddev * unit for stddev, unit in zip(

@@ -18,8 +18,9 @@ import math
 import re
 
 from diffdrive_kinematics.core.kinematics import (
-    check_above, check_duration, check_finite, check_non_negative, check_positive, check_rate,
-    is_sane, LARGEST)
+    check_above, check_count, check_duration, check_finite, check_non_negative, check_positive,
+    check_rate, is_sane, LARGEST)
+import numpy as np
 import pytest
 
 NOT_FINITE = [math.nan, math.inf, -math.inf]
@@ -65,6 +66,15 @@ def test_rates_and_durations_have_a_range_with_its_ends(check, low, high):
     'check', [check_finite, check_positive, check_non_negative, above_minus_one])
 def test_an_integer_is_accepted_and_becomes_a_float(check):
     assert type(check('x', 3)) is float
+
+
+def test_a_count_comes_back_as_a_python_int_and_may_have_any_least_value():
+    assert [check_count('n', value, -1) for value in (-1, 0, np.int8(3), 2**70)] == [
+        -1, 0, 3, 2**70]
+    assert type(check_count('n', np.uint8(64))) is int
+    for bad in (-2, False, True, 0.0, None):
+        with pytest.raises(ValueError, match=f'^n is {bad!r}, expected an integer, -1 or above$'):
+            check_count('n', bad, -1)
 
 
 def test_the_bound_is_named_where_there_is_one():

@@ -318,6 +318,20 @@ def test_a_step_into_arrays_at_hand_takes_no_memory_that_grows_with_the_poses():
     assert peak[1] < peak[0] + 1e5 and peak[1] < 3e6
 
 
+def strided(memory, n, stride):
+    return np.lib.stride_tricks.as_strided(memory[n:], (n,), (stride,))
+
+
+def test_poses_that_share_a_place_are_moved_apart_and_a_single_one_may_have_any_stride():
+    together = Pose(*(np.broadcast_to(value, 3) for value in (1.0, 2.0, 0.5)))
+    assert_same_bits(propagate(together, 0.1, 0.1, GEOMETRY, LEFT, RIGHT, seed=1),
+                     propagate(poses_at(3, *(c[0] for c in together)), 0.1, 0.1, GEOMETRY, LEFT,
+                               RIGHT, seed=1))
+    alone, out = poses_at(1), Pose(*(strided(np.zeros(2), 1, 0) for _ in range(3)))
+    assert_same_bits(propagate(alone, 0.1, 0.1, GEOMETRY, LEFT, RIGHT, seed=1, out=out),
+                     propagate(alone, 0.1, 0.1, GEOMETRY, LEFT, RIGHT, seed=1))
+
+
 def overlapping(n=4):
     poses, memory = random_poses(n), np.zeros(2 * n)
     return {
@@ -327,7 +341,13 @@ def overlapping(n=4):
         'reversed': (poses, poses._replace(theta=poses.theta[::-1]), '^theta of out shares'),
         'floats': (poses, Pose(0.0, 0.0, 0.0), '^x of out is 0.0'),
         'read-only': (poses, Pose(*(np.broadcast_to(0.0, n) for _ in range(3))),
-                      '^x of out is read-only')}
+                      '^x of out is read-only'),
+        'one place for all': (poses, Pose(np.zeros(n), strided(memory, n, 0), np.zeros(n)),
+                              '^y of out has several poses in the same memory'),
+        'one byte apart': (poses, Pose(np.zeros(n), np.zeros(n), strided(memory, n, -1)),
+                           '^theta of out has several poses in the same memory'),
+        'poses of one place, moved in place': (
+            *[poses._replace(x=strided(memory, n, 0))] * 2, '^x of out has several poses')}
 
 
 @pytest.mark.parametrize('case', overlapping())
@@ -409,6 +429,7 @@ GOOD = {'poses': poses_at(3), 'd_left': 0.1, 'd_right': 0.1}
     ({'d_left': np.array([0.0, math.nan, 0.0])}, '^d_left has elements'),
     ({'d_right': np.array([0.0, math.inf, 0.0])}, '^d_right has elements'),
     ({'threads': 0}, '^threads is 0'), ({'seed': -1}, '^seed is -1'), ({'seed': 0.5}, '^seed is'),
+    ({'seed': True}, '^seed is True'), ({'seed': (1, math.nan)}, '^seed is'),
     ({'seed': ()}, '^seed is'), ({'seed': None}, '^seed is None'),
     ({'poses': Pose(0.0, 0.0, 0.0)}, '^x of the poses is 0.0'),
     ({'poses': Pose(np.zeros(3), np.zeros(2), np.zeros(3))}, '^y of the poses'),
