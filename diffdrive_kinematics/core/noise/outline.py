@@ -34,6 +34,8 @@ JITTER = 1e-9
 
 ATTEMPTS = 4
 BLOCK = 128
+CANDIDATES = 65536
+"""Pairs of segments that are compared at once: what they take stays in the cache."""
 
 
 def outer_boundary(points: Points, segments: Pairs) -> Points:
@@ -111,7 +113,8 @@ def _split(points: Points, pairs: Pairs) -> Tuple[Points, Pairs, Array]:
     segment = np.concatenate([first, second, every, every])
     place = np.concatenate([t, u, np.zeros(len(pairs)), np.ones(len(pairs))])
     node = np.concatenate([number, number, pairs[:, 0], pairs[:, 1]])
-    order = np.lexsort((place, segment))
+    order = np.argsort(place, kind='stable')
+    order = order[_order(segment[order])]
     segment, node = segment[order], node[order]
     same = segment[:-1] == segment[1:]
     pieces = np.stack([node[:-1], node[1:]], axis=1)[same]
@@ -122,7 +125,7 @@ def _split(points: Points, pairs: Pairs) -> Tuple[Points, Pairs, Array]:
 def _walked(points: Points, pieces: Pairs, directions: Array) -> Points:
     """Walk around the pieces, the outside on the right; nothing where it does not come back."""
     at_ends, others = pieces.reshape(-1), pieces[:, ::-1].reshape(-1)
-    order = np.argsort(at_ends, kind='stable')
+    order = _order(at_ends)
     first_way = np.searchsorted(at_ends[order], np.arange(len(points) + 1)).tolist()
     ways = np.stack([directions, directions + np.pi], axis=1).reshape(-1)[order]
     leads_to = others[order]
@@ -140,6 +143,12 @@ def _walked(points: Points, pieces: Pairs, directions: Array) -> Points:
         path.append(at)
         at, back = to, direction + np.pi
     return points[:0]
+
+
+def _order(numbers: Pairs) -> Pairs:
+    """Return the stable order of numbers that are not negative, by one sort of values."""
+    bits = len(numbers).bit_length()
+    return np.sort(numbers << bits | np.arange(len(numbers))) & (1 << bits) - 1
 
 
 def _encloses(polygon: Points, points: Points, tolerance: float) -> bool:
@@ -163,15 +172,14 @@ def _crossings(points: Points, pairs: Pairs) -> Tuple[Pairs, Pairs, Array, Array
     """Return (i, j, t, u): segment i at its fraction t crosses segment j at its fraction u."""
     begin, end = points[pairs[:, 0]], points[pairs[:, 1]]
     first, second = _near(begin, end)
-    (a, b), (c, d) = pairs.T[:, first], pairs.T[:, second]
-    apart = (a != c) & (a != d) & (b != c) & (b != d)
-    first, second, along = first[apart], second[apart], end - begin
+    along = end - begin
     gap, r, s = begin[second] - begin[first], along[first], along[second]
     cross, t = _cross(r, s), _cross(gap, s)
     within = (cross != 0.0) & (t * cross >= 0.0) & (np.abs(t) <= np.abs(cross))
     first, second, cross = first[within], second[within], cross[within]
     t, u = t[within] / cross, _cross(gap[within], r[within]) / cross
-    hit = (u >= 0.0) & (u <= 1.0)
+    (a, b), (c, d) = pairs.T[:, first], pairs.T[:, second]
+    hit = (u >= 0.0) & (u <= 1.0) & (a != c) & (a != d) & (b != c) & (b != d)
     return first[hit], second[hit], t[hit], u[hit]
 
 
@@ -187,21 +195,20 @@ def _near(begin: Points, end: Points) -> Tuple[Pairs, Pairs]:
     after, order, across = min(
         ((*_followers(*along), across) for along, across in zip(sides, sides[::-1])),
         key=lambda found: int(found[0].sum()))
-    low_y, high_y = (edge[order] for edge in across)
+    low, high = (edge[order] for edge in across)
     every = np.arange(len(order))
+    counts = np.cumsum(after - every - 1)
+    parts = np.searchsorted(counts, np.arange(0, counts[-1] + 1 + CANDIDATES, CANDIDATES))
     found = []
-    for start in range(0, len(order), BLOCK):
-        rows = slice(start, start + BLOCK)
-        columns = slice(start, int(after[rows].max()))
-        near = low_y[rows, None] <= high_y[columns]
-        near &= high_y[rows, None] >= low_y[columns]
-        near &= every[rows, None] < every[columns]
-        near &= every[columns] < after[rows, None]
-        i, j = np.nonzero(near)
-        found.append((order[i + start], order[j + start]))
+    for rows in map(slice, parts[:-1], parts[1:]):
+        which, j = ranges(every[rows] + 1, after[rows])
+        i = every[rows][which]
+        near = (low[j] <= high[rows][which]) & (high[j] >= low[rows][which])
+        found.append((order[i[near]], order[j[near]]))
     one, other = (np.concatenate(ends) for ends in zip(*found))
     number = np.sort(np.minimum(one, other) * len(order) + np.maximum(one, other))
-    return number // len(order), number % len(order)
+    first = number // len(order)
+    return first, number - first * len(order)
 
 
 def _followers(low: Array, high: Array) -> Tuple[Pairs, Pairs]:

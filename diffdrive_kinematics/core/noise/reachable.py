@@ -73,7 +73,7 @@ THINNEST = 2e-6
 MOST_FOLDS = 600
 """How many segments inside of a mesh are worth a finer one: a set like a curve folds all over."""
 
-FEWEST_SLICES, MOST_SLICES = 8, 128
+FEWEST_SLICES, MOST_SLICES = 6, 128
 
 
 def reachable_set_from_slip(

@@ -22,6 +22,7 @@ from diffdrive_kinematics.core.kinematics import Pose, WheelGeometry
 from diffdrive_kinematics.core.noise import (
     area, BodySlip, NO_BODY_SLIP, outer_boundary, perimeter, propagate, reachable_set,
     reachable_set_from_slip, simplified, Stage, stage_from_slip, WheelSlip)
+from diffdrive_kinematics.core.noise import outline
 import numpy as np
 import pytest
 from support.marks import rest_slow
@@ -408,6 +409,25 @@ def test_the_outline_of_overlapping_and_repeated_segments_is_found():
     ring = np.array([[0, 1], [1, 2], [2, 3], [3, 0]])
     outline = outer_boundary(points, np.concatenate([ring, ring + 4, ring, [[8, 9]]]))
     assert area(outline) == pytest.approx(3.0, rel=1e-6)
+
+
+@pytest.mark.parametrize('most', [1, 7, 100])
+def test_the_outline_does_not_depend_on_how_many_segments_are_compared_at_once(monkeypatch, most):
+    stages = stages_of('u_turn', 2)
+    expected = boundary_of(stages)
+    monkeypatch.setattr(outline, 'CANDIDATES', most)
+    np.testing.assert_array_equal(boundary_of(stages), expected)
+
+
+def test_the_outline_is_found_where_the_last_comparison_fills_its_batch(monkeypatch):
+    """Guard the end of the last batch: a triangle and a bar across it are 6 pairs."""
+    points = np.array([0.0, 4.0, 2.0 + 3.0j, 1.0 + 1.0j, 1.0 - 1.0j])
+    segments = np.array([[0, 1], [1, 2], [2, 0], [3, 4]])
+    for most in range(1, 9):
+        monkeypatch.setattr(outline, 'CANDIDATES', most)
+        polygon = outer_boundary(points, segments)
+        assert excess(polygon, points - 1e-6 * (points - points.mean())) < 1e-6
+        assert area(polygon) == pytest.approx(6.0, rel=1e-6)
 
 
 def test_simplification_stays_within_its_tolerance():
