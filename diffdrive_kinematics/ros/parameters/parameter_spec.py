@@ -16,13 +16,14 @@
 
 from dataclasses import dataclass, replace
 import enum
+from functools import partial
 import os
 from typing import Any, Optional
 
 from diffdrive_kinematics.ros.parameters.parameter_checks import (
     Check, check_optional_topic, check_topic)
 
-__all__ = ['Kind', 'ParameterSpec', 'file', 'string', 'topic']
+__all__ = ['Kind', 'ParameterSpec', 'file', 'fixed', 'settable', 'topic']
 
 
 class Kind(enum.Enum):
@@ -58,17 +59,32 @@ class ParameterSpec:
         return tuple(map(os.path.expanduser, value))
 
 
-def string(
-        name: str, default: str, description: str, check: Optional[Check] = None
-) -> ParameterSpec:
-    return ParameterSpec(name, default, description, Kind.STRING, check, read_only=True)
+def settable(
+        name: str, default: Any, description: str, check: Optional[Check] = None, *,
+        kind: Optional[Kind] = None, required: bool = False) -> ParameterSpec:
+    """Return a parameter that can be set at any time, of the kind of its default."""
+    return ParameterSpec(
+        name, default, description, kind or _kind_of(default), check, required=required)
 
 
-def file(
-        name: str, default: str, description: str, check: Optional[Check] = None
-) -> ParameterSpec:
-    return replace(string(name, default, description, check), names_files=True)
+def fixed(
+        name: str, default: Any, description: str, check: Optional[Check] = None, *,
+        kind: Optional[Kind] = None, names_files: bool = False) -> ParameterSpec:
+    """Return a parameter that is set at the start and stays."""
+    entry = settable(name, default, description, check, kind=kind)
+    return replace(entry, read_only=True, names_files=names_files)
+
+
+file = partial(fixed, names_files=True)
 
 
 def topic(name: str, default: str, description: str, *, optional: bool = False) -> ParameterSpec:
-    return string(name, default, description, check_optional_topic if optional else check_topic)
+    return fixed(name, default, description, check_optional_topic if optional else check_topic)
+
+
+def _kind_of(default: Any) -> Kind:
+    """Return the kind of a default; an empty list is one of numbers."""
+    if isinstance(default, list):
+        return Kind.STRINGS if default and isinstance(default[0], str) else Kind.DOUBLES
+    kinds = {bool: Kind.BOOL, int: Kind.INTEGER, float: Kind.DOUBLE, str: Kind.STRING}
+    return kinds[type(default)]

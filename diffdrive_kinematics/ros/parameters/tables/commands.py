@@ -16,36 +16,32 @@
 
 from diffdrive_kinematics.core.kinematics import check_duration, check_positive, check_rate
 from diffdrive_kinematics.ros.parameters.parameter_checks import check_one_of, check_rounds
-from diffdrive_kinematics.ros.parameters.parameter_spec import (
-    file, Kind, ParameterSpec as Spec, string, topic)
+from diffdrive_kinematics.ros.parameters.parameter_spec import file, fixed, Kind, settable, topic
 from diffdrive_kinematics.ros.parameters.tables.shared import (
     COMMANDS_OUT, DIAGNOSTICS, EXECUTOR, SQUARE)
 
 COMMAND_SEQUENCE = (
     *COMMANDS_OUT,
-    Spec('commands', [], 'The commands, each as speed v [m/s], yaw rate omega [rad/s] and '
-         'duration [s], one after another in one flat list.', Kind.DOUBLES, read_only=True),
+    fixed('commands', [], 'The commands, each as speed v [m/s], yaw rate omega [rad/s] and '
+          'duration [s], one after another in one flat list.'),
     file('recording', '', 'Recording to play instead of commands: a CSV file (or .csv.gz) with '
          'the columns time_sec,linear_x,angular_z, or a bag with cmd_vel_topic. The name of an '
          'installed file begins with package://diffdrive_kinematics/.'),
     *SQUARE,
-    Spec('square_speed', 0.2, 'Speed [m/s] along the sides of the square.', check=check_positive,
-         read_only=True),
-    Spec('square_yaw_rate', 0.5, 'Yaw rate [rad/s] at the corners of the square.',
-         check=check_positive, read_only=True),
-    Spec('square_clockwise', False, 'Drive around the square clockwise.',
-         Kind.BOOL, read_only=True),
-    Spec('square_rounds', 0, 'Number of times to drive around the square clockwise, and then '
-         'counterclockwise, with a rest after each. 0: once, in the direction that '
-         'square_clockwise gives.', Kind.INTEGER, check_rounds, read_only=True),
-    Spec('square_pause', 0.5, 'Time [s] at rest between sides and corners, in which ramps end.',
-         check=check_duration, read_only=True),
-    Spec('loop', False, 'Start again at the end, until the node is stopped.',
-         Kind.BOOL, read_only=True),
-    Spec('publish_rate', 50.0, 'Rate [Hz] at which a command is repeated while it holds.',
-         check=check_rate, read_only=True),
-    Spec('wait_for_topics', [], 'Topics on which a message must have come before the first '
-         'command; until then zeros are sent.', Kind.STRINGS, read_only=True),
+    fixed('square_speed', 0.2, 'Speed [m/s] along the sides of the square.', check_positive),
+    fixed('square_yaw_rate', 0.5, 'Yaw rate [rad/s] at the corners of the square.',
+          check_positive),
+    fixed('square_clockwise', False, 'Drive around the square clockwise.'),
+    fixed('square_rounds', 0, 'Number of times to drive around the square clockwise, and then '
+          'counterclockwise, with a rest after each. 0: once, in the direction that '
+          'square_clockwise gives.', check_rounds),
+    fixed('square_pause', 0.5, 'Time [s] at rest between sides and corners, in which ramps end.',
+          check_duration),
+    fixed('loop', False, 'Start again at the end, until the node is stopped.'),
+    fixed('publish_rate', 50.0, 'Rate [Hz] at which a command is repeated while it holds.',
+          check_rate),
+    fixed('wait_for_topics', [], 'Topics on which a message must have come before the first '
+          'command; until then zeros are sent.', kind=Kind.STRINGS),
     DIAGNOSTICS, EXECUTOR)
 
 GOAL_STEERING = (
@@ -55,31 +51,31 @@ GOAL_STEERING = (
     topic('plan_topic', 'path', 'Subscribes to: paths to follow (Path) in the frame of the '
           'odometry. Empty: off.', optional=True),
     *COMMANDS_OUT,
-    Spec('goals', [], 'Goals to drive to from the start, each as x [m], y [m] and yaw [rad] in '
-         'the frame of the odometry, one after another in one flat list. The node ends after the '
-         'last one.', Kind.DOUBLES, read_only=True),
-    string('law', 'pose', 'Control law that drives to goals. heading: turn towards the goal and '
-           'drive straight. point: a point ahead of the axle goes straight to the goal, backward '
-           'too. pose: drive on a curve that ends with the yaw of the goal.',
-           check_one_of('heading', 'point', 'pose')),
-    Spec('max_speed', 0.2, 'Highest speed [m/s] that is commanded.', check=check_positive),
-    Spec('max_yaw_rate', 1.0, 'Highest yaw rate [rad/s] that is commanded.', check=check_positive),
-    Spec('distance_tolerance', 0.02, 'Distance [m] to the goal at which it counts as reached.',
-         check=check_positive),
-    Spec('yaw_tolerance', 0.05, 'Difference [rad] to the yaw of the goal at which it counts as '
-         'reached, for the law pose.', check=check_positive),
-    Spec('distance_gain', 0.8, 'Speed over the distance that is left [1/s]. The robot slows down '
-         'when it is nearer to the goal than max_speed / distance_gain.', check=check_rate),
-    Spec('heading_gain', 2.4, 'Yaw rate over the error of the heading [1/s].', check=check_rate),
-    Spec('yaw_weight', 2.0, 'Weight h of the law pose: how much the yaw of the goal counts on the '
-         'way.', check=check_positive),
-    Spec('point_offset', 0.1, 'Distance b [m] of the law point: how far the point is ahead of the '
-         'axle.', check=check_positive),
-    Spec('lookahead', 0.3, 'Distance [m] along a path by which the robot aims ahead.',
-         check=check_positive),
-    Spec('odom_timeout', 0.5, 'Time [s] without odometry after which the robot is commanded to '
-         'stand still.', check=check_positive),
-    Spec('patience', 10.0, 'Time [s] without coming nearer after which the robot gives a goal up.',
-         check=check_positive),
-    Spec('publish_rate', 20.0, 'Rate [Hz] of the commands.', check=check_rate),
+    fixed('goals', [], 'Goals to drive to from the start, each as x [m], y [m] and yaw [rad] in '
+          'the frame of the odometry, one after another in one flat list. The node ends after the '
+          'last one.'),
+    fixed('law', 'pose', 'Control law that drives to goals. heading: turn towards the goal and '
+          'drive straight. point: a point ahead of the axle goes straight to the goal, backward '
+          'too. pose: drive on a curve that ends with the yaw of the goal.',
+          check_one_of('heading', 'point', 'pose')),
+    settable('max_speed', 0.2, 'Highest speed [m/s] that is commanded.', check_positive),
+    settable('max_yaw_rate', 1.0, 'Highest yaw rate [rad/s] that is commanded.', check_positive),
+    settable('distance_tolerance', 0.02, 'Distance [m] to the goal at which it counts as reached.',
+             check_positive),
+    settable('yaw_tolerance', 0.05, 'Difference [rad] to the yaw of the goal at which it counts '
+             'as reached, for the law pose.', check_positive),
+    settable('distance_gain', 0.8, 'Speed over the distance that is left [1/s]. The robot slows '
+             'down when it is nearer to the goal than max_speed / distance_gain.', check_rate),
+    settable('heading_gain', 2.4, 'Yaw rate over the error of the heading [1/s].', check_rate),
+    settable('yaw_weight', 2.0, 'Weight h of the law pose: how much the yaw of the goal counts on '
+             'the way.', check_positive),
+    settable('point_offset', 0.1, 'Distance b [m] of the law point: how far the point is ahead of '
+             'the axle.', check_positive),
+    settable('lookahead', 0.3, 'Distance [m] along a path by which the robot aims ahead.',
+             check_positive),
+    settable('odom_timeout', 0.5, 'Time [s] without odometry after which the robot is commanded '
+             'to stand still.', check_positive),
+    settable('patience', 10.0, 'Time [s] without coming nearer after which the robot gives a goal '
+             'up.', check_positive),
+    settable('publish_rate', 20.0, 'Rate [Hz] of the commands.', check_rate),
     DIAGNOSTICS, EXECUTOR)

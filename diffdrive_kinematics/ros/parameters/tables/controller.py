@@ -21,7 +21,7 @@ from diffdrive_kinematics.core.kinematics import check_duration, check_rate
 from diffdrive_kinematics.ros.parameters.parameter_checks import (
     check_frame, check_offset, check_update_rate)
 from diffdrive_kinematics.ros.parameters.parameter_spec import (
-    Kind, ParameterSpec as Spec, string, topic)
+    fixed, ParameterSpec, settable, topic)
 from diffdrive_kinematics.ros.parameters.tables.shared import (
     DIAGNOSTICS, EXECUTOR, GEOMETRY, JOINTS, RESPONSE)
 
@@ -50,13 +50,13 @@ def _per(limit: str) -> str:
     return 's' if 'velocity' in limit else 's^3' if 'jerk' in limit else 's^2'
 
 
-def _axis_entries() -> Tuple[Spec, ...]:
+def _axis_entries() -> Tuple[ParameterSpec, ...]:
     limits = tuple(
-        Spec(f'{axis}.{limit}', math.nan, meaning.format(unit=f'{unit}/{_per(limit)}'))
+        settable(f'{axis}.{limit}', math.nan, meaning.format(unit=f'{unit}/{_per(limit)}'))
         for axis, unit in _AXES.items() for limit, meaning in LIMITS.items())
     switches = tuple(
-        Spec(f'{axis}.{switch}', True, 'Use the limits of this kind. It comes from older '
-             'files; leave the limits NaN instead of setting it to false.', Kind.BOOL)
+        settable(f'{axis}.{switch}', True, 'Use the limits of this kind. It comes from older '
+                 'files; leave the limits NaN instead of setting it to false.')
         for axis in _AXES for switch in SWITCHES)
     return limits + switches
 
@@ -73,27 +73,25 @@ DIFF_DRIVE_CONTROLLER = (
           optional=True),
     topic('cmd_vel_out_topic', 'cmd_vel_out', 'Publishes: the velocity after all limits '
           '(TwistStamped).'),
-    Spec('publish_limited_velocity', False, 'Publish cmd_vel_out.', Kind.BOOL, read_only=True),
-    Spec('enable_stamped_cmd_vel', False, 'Commands are TwistStamped instead of Twist.', Kind.BOOL,
-         read_only=True),
-    Spec('stamp_tolerance', 0.0, 'Greatest age [s] of the stamp of a command with which the '
-         'wheel rates get that stamp. Rates of older commands get the time of arrival.',
-         check=check_duration),
-    Spec('cmd_vel_timeout', 0.5, 'Age [s] at which a command ends and the robot brakes. Commands '
-         'that are older when they come are refused. 0: commands never end.',
-         check=check_duration),
-    Spec('cmd_vel_clock_offset', 0.0, 'Time on the clock of the controller minus time on the '
-         'clock of the senders of commands [s]. NaN: it is unknown, and neither stamps nor the '
-         'time of sending count.', check=check_offset),
-    Spec('publish_rate', 50.0, 'Rate [Hz] at which the wheel rates are repeated.',
-         check=check_rate),
-    Spec('update_rate', 100.0, 'Rate [Hz] at which ramps step. Each step is published.',
-         check=check_update_rate),
-    Spec('max_wheel_rate', math.nan, 'Highest rate [rad/s] of every wheel. Beyond it the rates '
-         'of both sides are scaled by one factor, so that the path keeps its curvature. NaN: no '
-         'limit.'),
-    string('base_frame_id', 'base_link', 'Frame of the limited velocity.', check_frame),
-    Spec('use_response', False, 'Ask for the command that yields, by the response, the motion '
-         'that cmd_vel wants. Limits hold for the motion wanted and for what is asked for, which '
-         'is at most 3 times the speed asked for on a straight.', Kind.BOOL),
+    fixed('publish_limited_velocity', False, 'Publish cmd_vel_out.'),
+    fixed('enable_stamped_cmd_vel', False, 'Commands are TwistStamped instead of Twist.'),
+    settable('stamp_tolerance', 0.0, 'Greatest age [s] of the stamp of a command with which the '
+             'wheel rates get that stamp. Rates of older commands get the time of arrival.',
+             check_duration),
+    settable('cmd_vel_timeout', 0.5, 'Age [s] at which a command ends and the robot brakes. '
+             'Commands that are older when they come are refused. 0: commands never end.',
+             check_duration),
+    settable('cmd_vel_clock_offset', 0.0, 'Time on the clock of the controller minus time on the '
+             'clock of the senders of commands [s]. NaN: it is unknown, and neither stamps nor '
+             'the time of sending count.', check_offset),
+    settable('publish_rate', 50.0, 'Rate [Hz] at which the wheel rates are repeated.', check_rate),
+    settable('update_rate', 100.0, 'Rate [Hz] at which ramps step. Each step is published.',
+             check_update_rate),
+    settable('max_wheel_rate', math.nan, 'Highest rate [rad/s] of every wheel. Beyond it the '
+             'rates of both sides are scaled by one factor, so that the path keeps its curvature. '
+             'NaN: no limit.'),
+    fixed('base_frame_id', 'base_link', 'Frame of the limited velocity.', check_frame),
+    settable('use_response', False, 'Ask for the command that yields, by the response, the motion '
+             'that cmd_vel wants. Limits hold for the motion wanted and for what is asked for, '
+             'which is at most 3 times the speed asked for on a straight.'),
     *RESPONSE, *_axis_entries(), DIAGNOSTICS, EXECUTOR)

@@ -16,19 +16,18 @@
 
 from diffdrive_kinematics.core.kinematics import check_positive, check_rate
 from diffdrive_kinematics.ros.parameters.parameter_checks import check_port
-from diffdrive_kinematics.ros.parameters.parameter_spec import (
-    Kind, ParameterSpec as Spec, string, topic)
+from diffdrive_kinematics.ros.parameters.parameter_spec import fixed, settable, topic
 from diffdrive_kinematics.ros.parameters.tables.shared import (
     COMMANDS_OUT, DIAGNOSTICS, EXECUTOR, RADII, SEPARATION)
 
 WEB_VIEW = (
-    string('host', '127.0.0.1', 'Address at which the page is served. At any address other than '
-           'that of this machine alone, whoever reaches it can drive the robot.'),
-    Spec('port', 8080, 'Port at which the page is served. 0: a free one, which the log names.',
-         Kind.INTEGER, check_port, read_only=True),
+    fixed('host', '127.0.0.1', 'Address at which the page is served. At any address other than '
+          'that of this machine alone, whoever reaches it can drive the robot.'),
+    fixed('port', 8080, 'Port at which the page is served. 0: a free one, which the log names.',
+          check_port),
     SEPARATION[0], RADII[0],
-    topic('odom_topic', 'odom', 'Subscribes to: odometry, which says where the robot believes '
-          'it is.'),
+    topic('odom_topic', 'odom', 'Subscribes to: odometry, which says where the robot believes it '
+          'is.'),
     topic('truth_topic', 'ground_truth', 'Subscribes to: odometry of where the robot really is. '
           'Empty: off.', optional=True),
     topic('poses_topic', 'projected_poses', 'Subscribes to: the poses of forward_projection. '
@@ -42,28 +41,26 @@ WEB_VIEW = (
           '(PoseStamped).'),
     topic('plan_topic', 'path', 'Publishes: an empty Path when somebody begins to drive, which '
           'ends what goal_steering does.'),
-    string('noise_node', 'wheel_noise', 'Name of the node whose bias and slip the page sets. '
-           'Empty: none.'),
-    string('controller_node', 'diff_drive_controller', 'Name of the node that the page stops and '
-           'releases.'),
-    Spec('base_nodes', ['simulated_base', 'ground_truth'], 'Names of the nodes whose poses the '
-         'page resets.', Kind.STRINGS, read_only=True),
-    Spec('max_speed', 0.2, 'Speed [m/s] of a key, or of the joystick at its end.',
-         check=check_positive),
-    Spec('max_yaw_rate', 1.5, 'Yaw rate [rad/s] of a key, or of the joystick at its end.',
-         check=check_positive),
-    Spec('frame_rate', 20.0, 'Rate [Hz] at which the page is drawn and commands are sent.',
-         check=check_rate, read_only=True),
+    fixed('noise_node', 'wheel_noise', 'Name of the node whose bias and slip the page sets. '
+          'Empty: none.'),
+    fixed('controller_node', 'diff_drive_controller', 'Name of the node that the page stops and '
+          'releases.'),
+    fixed('base_nodes', ['simulated_base', 'ground_truth'], 'Names of the nodes whose poses the '
+          'page resets.'),
+    settable('max_speed', 0.2, 'Speed [m/s] of a key, or of the joystick at its end.',
+             check_positive),
+    settable('max_yaw_rate', 1.5, 'Yaw rate [rad/s] of a key, or of the joystick at its end.',
+             check_positive),
+    fixed('frame_rate', 20.0, 'Rate [Hz] at which the page is drawn and commands are sent.',
+          check_rate),
     DIAGNOSTICS, EXECUTOR)
 
 TELEOP = (
     *COMMANDS_OUT,
-    Spec('speed', 0.2, 'Speed [m/s] of a key at the start.', check=check_positive, read_only=True),
-    Spec('yaw_rate', 1.0, 'Yaw rate [rad/s] of a key at the start.', check=check_positive,
-         read_only=True),
-    Spec('key_timeout', 0.6, 'Time [s] without a character from the terminal after which a key '
-         'counts as released. It has to be longer than the terminal waits before it repeats a key '
-         'that is held.', check=check_positive, read_only=True),
-    Spec('publish_rate', 20.0, 'Rate [Hz] of the commands while a key is held.', check=check_rate,
-         read_only=True),
+    fixed('speed', 0.2, 'Speed [m/s] of a key at the start.', check_positive),
+    fixed('yaw_rate', 1.0, 'Yaw rate [rad/s] of a key at the start.', check_positive),
+    fixed('key_timeout', 0.6, 'Time [s] without a character from the terminal after which a key '
+          'counts as released. It has to be longer than the terminal waits before it repeats a '
+          'key that is held.', check_positive),
+    fixed('publish_rate', 20.0, 'Rate [Hz] of the commands while a key is held.', check_rate),
     DIAGNOSTICS, EXECUTOR)
