@@ -15,26 +15,18 @@
 """
 Which codec the nodes use for which message: decided here, and nowhere else.
 
-Either codec of a message does; they have the same names, and the same tests.  The plain one is
-used where nothing is gained by the other: for commands, of which some tens a second are sent.
-Bytes are used where a node would spend more on message objects than on its work: in what base,
-noise and controller hear and say at every tick, and in messages of many poses.
+The plain codec makes commands, of which some tens a second are sent.  Bytes are used where a node
+would spend more on message objects than on its work: in what base, noise and controller hear and
+say at every tick, and in messages of many poses.  Where a message has both codecs either one does;
+they have the same names, and the same tests.
 """
 
-from typing import Type
-
-from diffdrive_kinematics.ros.messages import plain, serialised, serialised_poses
+from diffdrive_kinematics.ros.messages.plain import TwistCodec, WheelCommandCodec
+from diffdrive_kinematics.ros.messages.serialised import (
+    JointStateCodec, OdometryCodec, TransformCodec, TwistCodec as CommandReader)
+from diffdrive_kinematics.ros.messages.serialised_poses import (
+    encode_polygon, encode_poses, PathCodec)
 
 __all__ = [
     'CommandReader', 'JointStateCodec', 'OdometryCodec', 'PathCodec', 'TransformCodec',
     'TwistCodec', 'WheelCommandCodec', 'encode_polygon', 'encode_poses']
-
-TwistCodec: Type[plain.TwistCodec] = plain.TwistCodec
-WheelCommandCodec: Type[plain.WheelCommandCodec] = plain.WheelCommandCodec
-
-CommandReader: Type[plain.TwistCodec] = serialised.TwistCodec
-JointStateCodec: Type[plain.JointStateCodec] = serialised.JointStateCodec
-OdometryCodec: Type[plain.OdometryCodec] = serialised.OdometryCodec
-TransformCodec: Type[plain.TransformCodec] = serialised.TransformCodec
-PathCodec = serialised_poses.PathCodec
-encode_poses, encode_polygon = serialised_poses.encode_poses, serialised_poses.encode_polygon

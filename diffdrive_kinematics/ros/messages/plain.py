@@ -129,10 +129,7 @@ class JointStateCodec:
 
 
 class WheelCommandCodec:
-    """A Float64MultiArray of rates of so many joints."""
-
-    def __init__(self, count: int) -> None:
-        """Take the number of joints, which the bytes need to know."""
+    """A Float64MultiArray of rates of joints."""
 
     def encode(self, rates: Sequence[float]) -> Float64MultiArray:
         """Return the message with a rate [rad/s] of each joint."""

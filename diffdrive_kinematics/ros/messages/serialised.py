@@ -31,7 +31,7 @@ from diffdrive_kinematics.ros.messages.messages import quaternion_of
 from diffdrive_kinematics.ros.messages.plain import StampedTwist
 from diffdrive_kinematics.ros.messages.serialised_joints import JointStateCodec
 
-__all__ = ['JointStateCodec', 'OdometryCodec', 'TransformCodec', 'TwistCodec', 'WheelCommandCodec']
+__all__ = ['JointStateCodec', 'OdometryCodec', 'TransformCodec', 'TwistCodec']
 
 TWIST_DOUBLES, ODOMETRY_DOUBLES = 6, 85
 POSE_COVARIANCE_AT, TWIST_AT, TWIST_COVARIANCE_AT = 7, 43, 49
@@ -45,23 +45,7 @@ ROW_OF_YAW = 5 * 6 * 8
 
 
 class TwistCodec(plain.TwistCodec):
-    """A TwistStamped in a frame, or, without one, a Twist."""
-
-    def __init__(self, frame_id: Optional[str]) -> None:
-        super().__init__(frame_id)
-        layout = Layout()
-        if frame_id is not None:
-            layout.header(frame_id)
-        at = layout.numbers('d', [0.0] * TWIST_DOUBLES)
-        self._template = Template(layout)
-        self._numbers = self._template.doubles(at, TWIST_DOUBLES)
-
-    def encode(self, stamp_ns: int, v: float, w: float) -> bytes:
-        """Return the message with a stamp, where it has one, and a twist [m/s, rad/s]."""
-        if self._frame_id is not None:
-            self._template.stamp(stamp_ns)
-        self._numbers[0], self._numbers[5] = v, w
-        return self._template.message()
+    """A TwistStamped in a frame, or, without one, a Twist, which is read without an object."""
 
     def decode(self, message: bytes) -> StampedTwist:
         """Return what the message commands, whatever its frame."""
@@ -80,24 +64,6 @@ def _twist_in(data: bytes, stamped: bool) -> Optional[StampedTwist]:
     if len(data) < first + 8 * TWIST_DOUBLES:
         return None
     return StampedTwist(stamp_ns, *_read_twist(data, first))
-
-
-class WheelCommandCodec(plain.WheelCommandCodec):
-    """A Float64MultiArray of rates of so many joints."""
-
-    def __init__(self, count: int) -> None:
-        layout = Layout()
-        layout.sequence('I', [])  # dimensions
-        layout.numbers('I', [0])  # offset of the data
-        at = layout.sequence('d', [0.0] * count)
-        self._template = Template(layout)
-        self._rates = self._template.doubles(at, count)
-
-    def encode(self, rates: Sequence[float]) -> bytes:
-        """Return the message with a rate [rad/s] of each joint."""
-        for index, rate in enumerate(rates):
-            self._rates[index] = rate
-        return self._template.message()
 
 
 class OdometryCodec(plain.OdometryCodec):

@@ -242,7 +242,7 @@ class WheelCommandWriter:
 
     def __init__(self, joints: WheelJoints) -> None:
         self._joints = joints
-        self._codec = WheelCommandCodec(len(joints.all_names()))
+        self._codec = WheelCommandCodec()
 
     def encode(self, rates: WheelPair) -> Union[bytes, Float64MultiArray]:
         """Return the message with rates [rad/s]."""

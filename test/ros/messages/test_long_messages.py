@@ -12,13 +12,13 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Messages with many poses: both codecs, compared with messages made by hand, and their cost."""
+"""Messages with many poses, compared with messages made by hand, and their cost."""
 
 import math
 import time
 
 from diffdrive_kinematics.core.kinematics import Pose
-from diffdrive_kinematics.ros.messages import plain_poses, serialised_poses
+from diffdrive_kinematics.ros.messages import codec
 from diffdrive_kinematics.ros.messages.messages import quaternion_of, set_stamp
 from geometry_msgs.msg import Point32, PolygonStamped, Pose as PoseMsg, PoseArray, PoseStamped
 from hypothesis import given, settings, strategies as st
@@ -32,9 +32,6 @@ NAMES = st.text(st.characters(codec='utf-8', exclude_characters='\0'), max_size=
 NUMBERS = st.floats(-1e12, 1e12)
 STAMPS = st.integers(0, (2**31 - 1) * 10**9 - 1)
 POSES = st.builds(Pose, NUMBERS, NUMBERS, st.floats(-math.pi, math.pi))
-
-both = pytest.mark.parametrize(
-    'codec', [plain_poses, serialised_poses], ids=['plain', 'serialised'])
 
 
 def header_of(frame_id, time_ns):
@@ -70,20 +67,18 @@ def assert_says(ours, message):
     assert 0 <= len(serialize_message(message)) - len(ours) < 4  # rclpy fills up to four
 
 
-@both
 @settings(deadline=None)
 @given(frame=NAMES, stamp=STAMPS, poses=st.lists(POSES, max_size=5))
-def test_samples_of_the_pose_are_a_pose_array(codec, frame, stamp, poses):
+def test_samples_of_the_pose_are_a_pose_array(frame, stamp, poses):
     header = header_of(frame, stamp)
     rows = np.array(list(map(row_of, poses))).reshape(-1, 7)
     assert_says(codec.encode_poses(header, rows), PoseArray(
         header=header, poses=list(map(pose_of, poses))))
 
 
-@both
 @settings(deadline=None)
 @given(frame=NAMES, stamp=STAMPS, points=st.lists(st.tuples(NUMBERS, NUMBERS), max_size=5))
-def test_a_boundary_is_a_polygon_of_single_precision(codec, frame, stamp, points):
+def test_a_boundary_is_a_polygon_of_single_precision(frame, stamp, points):
     message = PolygonStamped(header=header_of(frame, stamp))
     message.polygon.points = [Point32(x=x, y=y) for x, y in points]
     rounded = deserialize_message(serialize_message(message), PolygonStamped)
@@ -91,11 +86,10 @@ def test_a_boundary_is_a_polygon_of_single_precision(codec, frame, stamp, points
     assert_says(codec.encode_polygon(message.header, x, y), rounded)
 
 
-@both
 @settings(deadline=None)
 @given(frame=NAMES, timed=st.lists(st.tuples(STAMPS, POSES), max_size=6),
        most=st.integers(1, 4))
-def test_a_path_has_its_last_poses_each_with_its_time(codec, frame, timed, most):
+def test_a_path_has_its_last_poses_each_with_its_time(frame, timed, most):
     message = codec.PathCodec(frame, most)
     for time_ns, pose in timed:
         message.add(time_ns, pose)
@@ -103,8 +97,7 @@ def test_a_path_has_its_last_poses_each_with_its_time(codec, frame, timed, most)
     assert_says(message.encode(), path_of(frame, timed, most))
 
 
-@both
-def test_a_path_that_was_cleared_begins_anew(codec):
+def test_a_path_that_was_cleared_begins_anew():
     message, late = codec.PathCodec('odom', 3), (5, Pose(1.0, 2.0, 3.0))
     message.add(4, Pose(0.0, 0.0, 0.0))
     message.clear()
@@ -116,13 +109,13 @@ def test_a_path_that_was_cleared_begins_anew(codec):
 def test_many_poses_cost_a_small_part_of_what_message_objects_cost(kind):
     """Compare the time of the thread, side by side: 20,000 objects hold up a loop for 0.1 s."""
     poses = [Pose(0.1 * i, 0.2, 0.3) for i in range(20_000)]
-    long = serialised_poses.PathCodec('odom', len(poses))
+    long = codec.PathCodec('odom', len(poses))
     for i, pose in enumerate(poses):
         long.add(i, pose)
     rows = np.array(list(map(row_of, poses)))
     objects = path_of('odom', list(enumerate(poses)), len(poses))
     ours = {'path': long.encode,
-            'samples': lambda: serialised_poses.encode_poses(Header(), rows)}[kind]
+            'samples': lambda: codec.encode_poses(Header(), rows)}[kind]
 
     def cost(make):
         seconds = []
