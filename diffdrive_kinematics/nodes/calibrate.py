@@ -240,7 +240,3 @@ def _collect(node: Calibrate, timers: SteadyTimers, stop: Stop) -> int:
 def main() -> None:
     """Run ``calibrate``."""
     sys.exit(run(work))
-
-
-if __name__ == '__main__':
-    main()

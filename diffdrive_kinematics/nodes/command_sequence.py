@@ -229,6 +229,3 @@ class CommandSequence(DiffDriveNode[Config]):
 
 
 main = main_of(CommandSequence)
-
-if __name__ == '__main__':
-    main()

@@ -243,6 +243,3 @@ class DiffDriveController(DiffDriveNode[Config]):
 
 
 main = main_of(DiffDriveController)
-
-if __name__ == '__main__':
-    main()

@@ -18,7 +18,7 @@ from dataclasses import dataclass
 from importlib import import_module
 import sys
 import time
-from typing import Any, Dict, List, Mapping, Tuple, Type, TYPE_CHECKING
+from typing import Any, Dict, List, Mapping, Tuple, Type
 
 from diffdrive_kinematics.ros.parameters.configuration_error import refusing
 from diffdrive_kinematics.ros.parameters.members import Member, members_of
@@ -36,9 +36,6 @@ from diffdrive_kinematics.tools.progress import LiveLine
 from diffdrive_kinematics.tools.robots import moments_of, Robot, robots_of
 from diffdrive_kinematics.tools.square_notes import square_calibration, Squares
 from rclpy.logging import get_logger
-
-if TYPE_CHECKING:
-    from diffdrive_kinematics.nodes.command_sequence import CommandSequence
 
 CLASSES = {  # imported where they are composed: a robot of two nodes starts without the others
     'diff_drive_controller': 'DiffDriveController', 'wheel_noise': 'WheelNoise',
@@ -100,7 +97,7 @@ class DiffDriveSim(DiffDriveNode[Config]):
             self.clock_driver = SimClockDriver(
                 self, self.members, step_ns=self.config.clock_step_ns,
                 real_time_factor=self.config.real_time_factor, **shared)
-        self._sequences: 'List[CommandSequence]' = self._of('command_sequence')
+        self._sequences = self._of('command_sequence')
         self._courses: List[DiffDriveNode] = [*self._sequences, *(
             node for node in self._of('goal_steering') if node.config.goals)]
         self._shown, self._rest_by_ns = -1, 0
@@ -192,7 +189,7 @@ class DiffDriveSim(DiffDriveNode[Config]):
         return now_ns > self._rest_by_ns or all(
             base.reading().rates == (0.0, 0.0) for base in self._of(*BASES))
 
-    def _show_progress(self, course: 'CommandSequence') -> None:
+    def _show_progress(self, course: Any) -> None:
         shown = int(PROGRESS_LINES * course.elapsed_s() / course.length_s)
         if course.begun() and shown != self._shown and shown <= PROGRESS_LINES:
             self._shown = shown
@@ -244,7 +241,3 @@ def _work(stop: Stop) -> int:
 def main() -> None:
     """Run ``diffdrive_sim``."""
     sys.exit(run_or_demo(work))
-
-
-if __name__ == '__main__':
-    main()

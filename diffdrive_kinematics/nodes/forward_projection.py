@@ -209,6 +209,3 @@ class ForwardProjection(DiffDriveNode[Config]):
 
 
 main = main_of(ForwardProjection)
-
-if __name__ == '__main__':
-    main()

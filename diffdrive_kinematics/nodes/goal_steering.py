@@ -232,6 +232,3 @@ class GoalSteering(DiffDriveNode[Config]):
 
 
 main = main_of(GoalSteering)
-
-if __name__ == '__main__':
-    main()

@@ -168,7 +168,3 @@ def work(_: Stop) -> int:
 def main() -> None:
     """Run ``plot_paths``."""
     sys.exit(run(work, with_params_file(sys.argv, 'plot_paths.yaml')))
-
-
-if __name__ == '__main__':
-    main()

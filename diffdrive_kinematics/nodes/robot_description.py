@@ -86,6 +86,3 @@ def _params_file(urdf: str) -> str:
 
 
 main = main_of(RobotDescription)
-
-if __name__ == '__main__':
-    main()

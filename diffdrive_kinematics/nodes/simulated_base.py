@@ -244,6 +244,3 @@ class SimulatedBase(DiffDriveNode[Config]):
 
 
 main = main_of(SimulatedBase)
-
-if __name__ == '__main__':
-    main()

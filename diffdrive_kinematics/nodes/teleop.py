@@ -113,6 +113,3 @@ class Teleop(DiffDriveNode[Mapping[str, Any]]):
 
 
 main = main_of(Teleop)
-
-if __name__ == '__main__':
-    main()

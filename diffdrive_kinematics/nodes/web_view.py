@@ -237,6 +237,3 @@ class WebView(DiffDriveNode[Mapping[str, Any]]):
 
 
 main = main_of(WebView)
-
-if __name__ == '__main__':
-    main()

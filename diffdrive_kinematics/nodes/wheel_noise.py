@@ -152,6 +152,3 @@ class WheelNoise(DiffDriveNode[Config]):
 
 
 main = main_of(WheelNoise)
-
-if __name__ == '__main__':
-    main()

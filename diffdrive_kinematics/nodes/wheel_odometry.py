@@ -31,6 +31,3 @@ class WheelOdometry(SimulatedBase):
 
 
 main = main_of(WheelOdometry)
-
-if __name__ == '__main__':
-    main()
