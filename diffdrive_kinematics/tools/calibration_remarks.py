@@ -18,7 +18,7 @@ import math
 from typing import List, Sequence
 
 from diffdrive_kinematics.core.calibration import (
-    drift_pays, penalised, RecordedDrive, SlipFit, SlipModel, SquareFit, TrajectoryFit)
+    drift_pays, penalised, RecordedDrive, SlipFit, SquareFit, TrajectoryFit)
 from diffdrive_kinematics.core.kinematics import WheelGeometry
 import numpy as np
 
@@ -96,7 +96,7 @@ def slip_remark(slip: SlipFit) -> str:
     said += (': that of the wheels, or a likelier set: each constant has to raise twice the log '
              'likelihood by 6.6 (1 % by chance)')
     return said + ''.join(
-        f'; next best: {_named(other.terms)}, {_behind(other, best):.1f} behind'
+        f'; next best: {_named(other.terms)}, {penalised(other) - penalised(best):.1f} behind'
         for other in others[:1])
 
 
@@ -104,11 +104,6 @@ def _named(terms: Sequence[str]) -> str:
     body = [term for term in terms if term != 'wheels']
     wheels = ['the wheels'] if 'wheels' in terms else []
     return ' and '.join(wheels + ([f'the body ({", ".join(body)})'] if body else []))
-
-
-def _behind(other: SlipModel, best: SlipModel) -> float:
-    """Return how much less another set of terms is worth."""
-    return penalised(other) - penalised(best)
 
 
 def frame_remark(fit: TrajectoryFit) -> List[str]:

@@ -25,7 +25,7 @@ from diffdrive_kinematics.tools.bags import is_bag
 from diffdrive_kinematics.tools.collection import Collection
 from diffdrive_kinematics.tools.plausible import check_stamps, check_units
 from diffdrive_kinematics.tools.recordings import (
-    check_columns, COMMAND_COLUMNS, Header, nobody, read_chosen)
+    check_columns, COMMAND_COLUMNS, Header, nobody, read_chosen, read_columns)
 import numpy as np
 
 __all__ = ['Drives', 'MOTIONS', 'read_drives']
@@ -137,9 +137,7 @@ def _read_motion(path: str, reference: str, progress: Progress) -> _Motion:
     more = REFERENCE_COLUMNS[1:] if path == reference else ()
 
     def chosen(header: Header) -> Sequence[str]:
-        columns = MOTIONS[_kind_of(path, header)]
-        check_columns(path, header, more)
-        return *columns, *more
+        return *MOTIONS[_kind_of(path, header)], *check_columns(path, header, more)
 
     header, rows = read_chosen(path, chosen, progress)
     kind = _kind_of(path, header)
@@ -160,11 +158,7 @@ def _kind_of(path: str, header: Header) -> str:
 
 def _read_reference(path: str, progress: Progress) -> Array:
     """Return the reference of a CSV file: time, x, y, yaw."""
-    def chosen(header: Header) -> Sequence[str]:
-        check_columns(path, header, REFERENCE_COLUMNS)
-        return REFERENCE_COLUMNS
-
-    return _rows(path, read_chosen(path, chosen, progress)[1], REFERENCE_COLUMNS)
+    return _rows(path, read_columns(path, REFERENCE_COLUMNS, progress), REFERENCE_COLUMNS)
 
 
 def _drive(

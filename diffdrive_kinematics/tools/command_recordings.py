@@ -37,7 +37,7 @@ def read_commands(path: str, topic: str) -> List[Tuple[float, float, float]]:
 
     """
     rows = (_of_bag(path, topic) if is_bag(path)
-            else [(time, v, w) for time, v, w in read_columns(path, COMMAND_COLUMNS)])
+            else [(time, v, w) for time, v, w in read_columns(path, COMMAND_COLUMNS).tolist()])
     if rows:
         numbers = np.array(rows)
         check_stamps(path, numbers[:, 0], commands=True)

@@ -43,8 +43,9 @@ def drift_table(robots: List[Robot]) -> str:
     """Return the table of poses, with the drift where a namespace has a belief and a truth."""
     rows = [f"{'':34}{'x [m]':>10}{'y [m]':>10}{'yaw [deg]':>12}"]
     rows += [
-        f'{_label(robot):34}{_fixed(robot.pose.x, 4):>10}{_fixed(robot.pose.y, 4):>10}'
-        f'{_fixed(math.degrees(robot.pose.theta), 2):>12}' for robot in robots]
+        f"{f'{robot.role} ({robot.name})':34}{_fixed(robot.pose.x, 4):>10}"
+        f'{_fixed(robot.pose.y, 4):>10}{_fixed(math.degrees(robot.pose.theta), 2):>12}'
+        for robot in robots]
     by_namespace: Dict[str, List[Robot]] = {}
     for robot in robots:
         by_namespace.setdefault(robot.name.rpartition('/')[0], []).append(robot)
@@ -64,10 +65,6 @@ def drift_table(robots: List[Robot]) -> str:
 
 def _poses(robots: List[Robot]) -> str:
     return '   '.join(f'{robot.role} {_short(robot.pose)}' for robot in robots)
-
-
-def _label(robot: Robot) -> str:
-    return f'{robot.role} ({robot.name})'
 
 
 def _short(pose: Pose) -> str:

@@ -38,9 +38,10 @@ def nobody(_: str) -> None:
     """Be told how far it is, and do nothing."""
 
 
-def read_columns(path: str, columns: Sequence[str]) -> List[Tuple[float, ...]]:
+def read_columns(
+        path: str, columns: Sequence[str], progress: Callable[[str], None] = nobody) -> Array:
     """
-    Return the named columns of a CSV file with a header, one tuple a row.
+    Return the named columns of a CSV file with a header, shape (n, columns).
 
     Raises
     ------
@@ -48,18 +49,15 @@ def read_columns(path: str, columns: Sequence[str]) -> List[Tuple[float, ...]]:
         As :func:`read_chosen`.
 
     """
-    def chosen(header: Header) -> Sequence[str]:
-        check_columns(path, header, columns)
-        return columns
-
-    return [tuple(row) for row in read_chosen(path, chosen)[1].tolist()]
+    return read_chosen(path, lambda header: check_columns(path, header, columns), progress)[1]
 
 
-def check_columns(path: str, header: Header, columns: Sequence[str]) -> None:
-    """Raise ``ValueError`` where the header of a file lacks columns."""
+def check_columns(path: str, header: Header, columns: Sequence[str]) -> Sequence[str]:
+    """Return columns, or raise ``ValueError`` where the header of a file lacks some."""
     missing = [name for name in columns if name not in header]
     if missing:
         raise ValueError(f'{path} has the columns {list(header)!r}, expected also {missing!r}')
+    return columns
 
 
 def read_chosen(

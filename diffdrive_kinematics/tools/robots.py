@@ -14,35 +14,17 @@
 
 """The robots of a composition: which base is the belief of one, and which its truth."""
 
-from typing import Any, Dict, List, NamedTuple, Optional, Protocol, Sequence, Tuple
+from typing import Any, Dict, List, NamedTuple, Optional, Sequence, Tuple
 
 from diffdrive_kinematics.core.kinematics import Pose, WheelGeometry
-from diffdrive_kinematics.core.noise import PoseCovariance, PoseMoments
+from diffdrive_kinematics.core.noise import PoseCovariance
 from diffdrive_kinematics.core.odometry import BaseState
 
-__all__ = ['Base', 'Moment', 'Robot', 'moments_of', 'robots_of']
+__all__ = ['Moment', 'Robot', 'moments_of', 'robots_of']
 
 
-class Base(Protocol):
-    """What integrates the motion of wheels; its configuration has their geometry."""
-
-    config: Any
-
-    def reading(self) -> BaseState:
-        """Return the base as it is now."""
-
-    def covariance(self) -> PoseCovariance:
-        """Return the covariance of the pose now, as it is published."""
-
-    def moments(self) -> PoseMoments:
-        """Return what is known of the error of the pose now."""
-
-    def get_fully_qualified_name(self) -> str:
-        """Return the name with the namespace."""
-
-
-Bases = Sequence[Tuple[Base, bool]]
-"""Bases, and whether each is fed with the wheels as they really turn."""
+Bases = Sequence[Tuple[Any, bool]]
+"""Nodes that are a SimulatedBase, and whether each is fed with the wheels as they really turn."""
 
 
 class Robot(NamedTuple):
@@ -72,24 +54,23 @@ def robots_of(bases: Bases) -> List[Robot]:
 
 def moments_of(bases: Bases, time_ns: int) -> List[Moment]:
     """Return each robot that has a belief, as it is at a time that is now [ns]."""
-    found: Dict[str, Dict[str, Base]] = {}
+    found: Dict[str, Dict[str, Any]] = {}
     for base, role in _with_roles(bases):
         namespace = base.get_fully_qualified_name().rpartition('/')[0]
         found.setdefault(namespace, {}).setdefault(role, base)
     return [
-        Moment(namespace, time_ns, roles['belief'].reading(),
-               roles['belief'].covariance(),
+        Moment(namespace, time_ns, roles['belief'].reading(), roles['belief'].covariance(),
                roles['truth'].reading().pose if 'truth' in roles else None,
                roles['belief'].config.geometry)
         for namespace, roles in found.items() if 'belief' in roles]
 
 
-def _with_roles(bases: Bases) -> List[Tuple[Base, str]]:
+def _with_roles(bases: Bases) -> List[Tuple[Any, str]]:
     with_truth = len({fed for _, fed in bases}) == 2
     return [(base, 'truth' if fed and with_truth else 'belief') for base, fed in bases]
 
 
-def _robot(base: Base, role: str) -> Robot:
+def _robot(base: Any, role: str) -> Robot:
     error = base.moments().mean_error
     return Robot(base.get_fully_qualified_name(), role, base.reading().pose,
                  (error.real, error.imag) if error else None)

@@ -67,8 +67,8 @@ def read_square_runs(
 
     """
     def chosen(header: Header) -> Sequence[str]:
-        check_columns(path, header, SQUARE_COLUMNS)
-        return *SQUARE_COLUMNS, *(name for name in settings if name in header)
+        found = check_columns(path, header, SQUARE_COLUMNS)
+        return *found, *(name for name in settings if name in header)
 
     found: Tuple[List[ReturnError], List[ReturnError]] = ([], [])
     header, rows = read_chosen(path, chosen)
