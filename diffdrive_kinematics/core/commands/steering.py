@@ -166,7 +166,6 @@ class Law(Protocol):
         See :class:`Law`.
 
         """
-        ...
 
 
 class Progress(NamedTuple):

@@ -54,12 +54,10 @@ class ControlSystem(Protocol):
     @property
     def states(self) -> Tuple[Quantity, ...]:
         """Return the parts of a state."""
-        ...
 
     @property
     def commands(self) -> Tuple[Quantity, ...]:
         """Return the parts of a command."""
-        ...
 
     def rate(self, state: Vector, command: Vector) -> Vector:
         """
@@ -82,7 +80,6 @@ class ControlSystem(Protocol):
         See :class:`ControlSystem`.
 
         """
-        ...
 
     def bounds(self, state: Vector) -> Bounds:
         """
@@ -103,7 +100,6 @@ class ControlSystem(Protocol):
         See :class:`ControlSystem`.
 
         """
-        ...
 
     def within(self, state: Vector) -> Vector:
         """
@@ -124,7 +120,6 @@ class ControlSystem(Protocol):
         See :class:`ControlSystem`.
 
         """
-        ...
 
 
 def admitted(system: ControlSystem, state: Vector, command: Vector) -> Vector:

@@ -14,13 +14,11 @@
 
 """Stamps of another clock than that of the node: noticed, and said once."""
 
-from typing import Any, List, TYPE_CHECKING
+from typing import Any, List
 
 from diffdrive_kinematics.core.odometry import SenderClock
 from diffdrive_kinematics.ros.runtime.diagnostics import Problem, WARN
-
-if TYPE_CHECKING:
-    from diffdrive_kinematics.ros.runtime.node import DiffDriveNode
+from diffdrive_kinematics.ros.runtime.node import DiffDriveNode
 
 __all__ = ['StampWatch']
 
@@ -40,7 +38,7 @@ class StampWatch:
 
     """
 
-    def __init__(self, node: 'DiffDriveNode[Any]', topic: str) -> None:
+    def __init__(self, node: DiffDriveNode[Any], topic: str) -> None:
         self._node, self._topic = node, node.resolve_topic_name(topic)
         self._clock = SenderClock(TOLERANCE_NS)
         self._said = False

@@ -14,7 +14,7 @@
 
 """Odometry of a base, and where its belief's frame is in the world."""
 
-from typing import Any, Mapping, Optional, Tuple, TYPE_CHECKING
+from typing import Any, Mapping, Optional, Tuple
 
 from diffdrive_kinematics.core.kinematics import compose, inverse
 from diffdrive_kinematics.core.noise import twist_covariance
@@ -23,10 +23,8 @@ from diffdrive_kinematics.core.odometry import OdometryHistory, WheelPair
 from diffdrive_kinematics.ros.messages.codec import OdometryCodec
 from diffdrive_kinematics.ros.messages.messages import check_stamp, nanoseconds, pose_in_plane
 from diffdrive_kinematics.ros.publishers.tf import frame_prefix, TransformPublisher
+from diffdrive_kinematics.ros.runtime.node import DiffDriveNode
 from nav_msgs.msg import Odometry
-
-if TYPE_CHECKING:
-    from diffdrive_kinematics.ros.runtime.node import DiffDriveNode
 
 __all__ = ['BeliefCorrection', 'OdometryPublisher']
 
@@ -44,7 +42,7 @@ class OdometryPublisher:
 
     """
 
-    def __init__(self, node: 'DiffDriveNode[Any]', values: Mapping[str, Any]) -> None:
+    def __init__(self, node: DiffDriveNode[Any], values: Mapping[str, Any]) -> None:
         prefix = frame_prefix(values, node.get_namespace())
         self.frames = prefix + values['odom_frame_id'], prefix + values['base_frame_id']
         self.codec = OdometryCodec(*self.frames)

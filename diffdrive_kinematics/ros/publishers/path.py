@@ -14,14 +14,12 @@
 """The way that a base has come, as a nav_msgs/Path: bounded, thinned out, and published slowly."""
 
 import math
-from typing import Any, Mapping, Optional, TYPE_CHECKING
+from typing import Any, Mapping, Optional
 
 from diffdrive_kinematics.core.kinematics import Pose
 from diffdrive_kinematics.ros.messages.codec import PathCodec
+from diffdrive_kinematics.ros.runtime.node import DiffDriveNode
 from nav_msgs.msg import Path
-
-if TYPE_CHECKING:
-    from diffdrive_kinematics.ros.runtime.node import DiffDriveNode
 
 __all__ = ['PathPublisher']
 
@@ -42,7 +40,7 @@ class PathPublisher:
     """
 
     def __init__(
-            self, node: 'DiffDriveNode[Any]', values: Mapping[str, Any], frame_id: str) -> None:
+            self, node: DiffDriveNode[Any], values: Mapping[str, Any], frame_id: str) -> None:
         self._spacing = values['path_spacing']
         self._message = PathCodec(frame_id, values['path_length'])
         self._last: Optional[Pose] = None

@@ -14,15 +14,13 @@
 
 """Transforms for tf2, optional at run time, and the names of their frames."""
 
-from typing import Any, Mapping, Optional, Tuple, TYPE_CHECKING
+from typing import Any, Mapping, Optional, Tuple
 
 from diffdrive_kinematics.core.kinematics import Pose
 from diffdrive_kinematics.ros.messages.codec import TransformCodec
 from diffdrive_kinematics.ros.messages.tf_message_type import tf_message_type
+from diffdrive_kinematics.ros.runtime.node import DiffDriveNode
 from diffdrive_kinematics.ros.runtime.rclpy_private import given_overrides
-
-if TYPE_CHECKING:
-    from diffdrive_kinematics.ros.runtime.node import DiffDriveNode
 
 __all__ = ['TransformPublisher', 'frame_prefix', 'transforms']
 
@@ -60,7 +58,7 @@ class TransformPublisher:
     It is a warning where somebody set the switch, and for information where it is on by default.
     """
 
-    def __init__(self, node: 'DiffDriveNode', switch: str) -> None:
+    def __init__(self, node: DiffDriveNode, switch: str) -> None:
         self._publisher = None
         message_type = _message_type()
         if message_type is None:
@@ -85,6 +83,6 @@ class TransformPublisher:
         self._publisher.publish(self._message.encode(stamp_ns, pose))
 
 
-def transforms(node: 'DiffDriveNode', switch: str) -> Optional[TransformPublisher]:
+def transforms(node: DiffDriveNode, switch: str) -> Optional[TransformPublisher]:
     """Return what publishes transforms, where a parameter asks for it."""
     return TransformPublisher(node, switch) if node.config.values[switch] else None

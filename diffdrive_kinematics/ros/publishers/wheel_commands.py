@@ -14,19 +14,17 @@
 
 """Wheel commands of a controller: wheel rates, and on request set points and the limited twist."""
 
-from typing import Any, Iterable, List, Mapping, TYPE_CHECKING
+from typing import Any, Iterable, List, Mapping
 
 from diffdrive_kinematics.core.commands import WheelCommand
 from diffdrive_kinematics.ros.messages.codec import TwistCodec
 from diffdrive_kinematics.ros.messages.wheel_joints import wheel_joints
 from diffdrive_kinematics.ros.messages.wheel_messages import WheelCommandWriter, WheelWriter
+from diffdrive_kinematics.ros.runtime.node import DiffDriveNode
 from geometry_msgs.msg import TwistStamped
 from rclpy.publisher import Publisher
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64MultiArray
-
-if TYPE_CHECKING:
-    from diffdrive_kinematics.ros.runtime.node import DiffDriveNode
 
 __all__ = ['WheelCommandPublisher']
 
@@ -44,7 +42,7 @@ class WheelCommandPublisher:
 
     """
 
-    def __init__(self, node: 'DiffDriveNode[Any]', values: Mapping[str, Any]) -> None:
+    def __init__(self, node: DiffDriveNode[Any], values: Mapping[str, Any]) -> None:
         joints, publish = wheel_joints(values), node.runtime.publish
         self._node = node
         self._rates = WheelWriter(joints, node.source())

@@ -138,14 +138,10 @@ class SteadyTimers(Timers):
 
     def fire_due(self) -> None:
         """Fire what is due."""
-        monotonic_ns = time.monotonic_ns
-        if monotonic_ns() < self._next_ns:
+        if time.monotonic_ns() < self._next_ns:
             return
         for timer in tuple(self.timers):
-            late_ns = monotonic_ns() - timer.next_ns
-            if late_ns >= 0:  # as in ``fire``, without its calls
-                timer.next_ns += (late_ns // timer.timer_period_ns + 1) * timer.timer_period_ns
-                timer.callback()
+            self.fire(timer)
         self._next_ns = min([timer.next_ns for timer in self.timers], default=NEVER_NS)
 
 

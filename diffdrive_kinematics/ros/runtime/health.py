@@ -14,14 +14,11 @@
 
 """The health of a node, on ``/diagnostics``."""
 
-from typing import Any, Callable, Optional
+from typing import Any, Optional
 
 from diagnostic_msgs.msg import DiagnosticArray
-from diffdrive_kinematics.ros.runtime.diagnostics import (
-    MessageStatistics, RateSample, Reporter, Status, TOPIC)
-from diffdrive_kinematics.ros.runtime.runtime import Runtime
+from diffdrive_kinematics.ros.runtime.diagnostics import MessageStatistics, Reporter, Status, TOPIC
 from diffdrive_kinematics.ros.runtime.simulated_clock import ClockWatch
-from rclpy.node import Node
 
 __all__ = ['Health']
 
@@ -34,29 +31,22 @@ class Health:
 
     Parameters
     ----------
-    node, runtime :
-        Whose health it is.
-    counts : Counter
-        Of what was refused, and of clock steps.
+    node : DiffDriveNode
+        Whose health it is; its ``status`` says what only it can tell.
     rate : float
         Of reports [Hz]; 0: none.
-    status : callable
-        A rate sample -> what only this node can tell.
 
     """
 
-    def __init__(
-            self, node: Node, runtime: Runtime, counts: Any, rate: float,
-            status: Callable[[RateSample], Status]) -> None:
-        self._runtime, self._counts, self._status = runtime, counts, status
-        self.statistics, self.sent = MessageStatistics(), 0
+    def __init__(self, node: Any, rate: float) -> None:
+        self._node, self.statistics, self.sent = node, MessageStatistics(), 0
         self.clock: Optional[ClockWatch] = None
         self._reporter: Optional[Reporter] = None
         if rate:
             self._reporter = Reporter(
                 node.get_fully_qualified_name(), node.get_namespace().strip('/') or HARDWARE,
-                runtime.publish(DiagnosticArray, TOPIC))
-            runtime.every(rate, self._report, steadily=True)
+                node.runtime.publish(DiagnosticArray, TOPIC))
+            node.runtime.every(rate, self._report, steadily=True)
 
     def clock_stepped(self, step_ns: int) -> None:
         """Note that the clock of the node was stepped."""
@@ -65,10 +55,10 @@ class Health:
             self._reporter.clock_stepped(step_ns)
 
     def _report(self) -> None:
-        sample = self._reporter.sample(self._runtime.now_ns(), self.sent)
-        values, problems = self._status(sample)
-        if self.clock and self._runtime.clock.ros_time_is_active:
+        runtime, counts = self._node.runtime, self._node.counts
+        sample = self._reporter.sample(runtime.now_ns(), self.sent)
+        values, problems = self._node.status(sample)
+        if self.clock and runtime.clock.ros_time_is_active:
             problems = [*self.clock.problems(), *problems]
-        self._reporter.report(sample.now_ns, Status(
-            {**values, 'refused': self._counts['refused'],
-             'clock steps': self._counts['clock steps']}, problems))
+        self._reporter.report(sample.now_ns, Status({
+            **values, **{name: counts[name] for name in ('refused', 'clock steps')}}, problems))

@@ -100,10 +100,8 @@ class DiffDriveNode(Node, Generic[Config], metaclass=_LeavesWhereRefused):
             self, table, build, given_overrides(self), neighbours,
             argv=[*argv, *(node_options.get('cli_args') or ())])
         self.counts = self.rejections.counts
-        self.health = Health(
-            self, self.runtime, self.counts, self.parameters.values.get('diagnostics_rate', 0.0),
-            self.status)
-        self.time = NodeTime(self, self.runtime, self.health, self.counts, self.on_clock_look)
+        self.health = Health(self, self.parameters.values.get('diagnostics_rate', 0.0))
+        self.time = NodeTime(self)
 
     @property
     def config(self) -> Config:

@@ -14,13 +14,10 @@
 
 """The clock of a node: the steps that it makes, and whether one that is simulated goes on."""
 
-from typing import Any, Callable, Optional
+from typing import Any, Optional
 
 from diffdrive_kinematics.ros.runtime.clocks import StepWatch
-from diffdrive_kinematics.ros.runtime.health import Health
-from diffdrive_kinematics.ros.runtime.runtime import Runtime
 from diffdrive_kinematics.ros.runtime.simulated_clock import ClockWatch
-from rclpy.node import Node
 
 __all__ = ['NodeTime']
 
@@ -31,23 +28,15 @@ class NodeTime:
 
     Parameters
     ----------
-    node, runtime :
-        Whose clock it is.
-    health : Health
-        It is told of steps.
-    counts : Counter
-        Of the node, for steps.
-    on_clock_look : callable
-        Called ten times a second where time is simulated, with the time [s] it has stood.
+    node : DiffDriveNode
+        Whose clock it is.  Where time is simulated its ``on_clock_look`` is called ten times a
+        second, with the time [s] that the clock has stood.
 
     """
 
-    def __init__(
-            self, node: Node, runtime: Runtime, health: Health, counts: Any,
-            on_clock_look: Callable[[float], None]) -> None:
-        self._node, self._runtime, self._health, self._counts = node, runtime, health, counts
-        self.now_and_step = StepWatch(runtime.clock, self._on_step).now_and_step
-        self._on_clock_look = on_clock_look
+    def __init__(self, node: Any) -> None:
+        self._node, self._runtime = node, node.runtime
+        self.now_and_step = StepWatch(node.runtime.clock, self._on_step).now_and_step
         self._watch: Optional[ClockWatch] = None
         self._watch_clock(())
         node.add_post_set_parameters_callback(self._watch_clock)
@@ -56,13 +45,13 @@ class NodeTime:
         """Look at the clock from now on where it is a simulated one."""
         runtime = self._runtime
         if not (self._watch or runtime.is_stepped) and runtime.clock.ros_time_is_active:
-            self._watch = self._health.clock = ClockWatch(
-                runtime, self._node.get_logger(), self._on_clock_look)
+            self._watch = self._node.health.clock = ClockWatch(
+                runtime, self._node.get_logger(), self._node.on_clock_look)
 
     def _on_step(self, step_ns: int) -> None:
         """Count and report a step of the clock."""
-        self._counts['clock steps'] += 1
-        self._health.clock_stepped(step_ns)
+        self._node.counts['clock steps'] += 1
+        self._node.health.clock_stepped(step_ns)
         self._node.get_logger().warning(f'the clock was stepped by {step_ns / 1e9:.3f} s')
 
     @property

@@ -14,10 +14,9 @@
 
 """A timer that calls back once, at a time that is set anew each time."""
 
-from typing import Callable, Optional, TYPE_CHECKING
+from typing import Callable, Optional
 
-if TYPE_CHECKING:
-    from diffdrive_kinematics.ros.runtime.runtime import Runtime
+from diffdrive_kinematics.ros.runtime.runtime import Runtime
 
 __all__ = ['OneShotTimer']
 
@@ -38,7 +37,7 @@ class OneShotTimer:
 
     """
 
-    def __init__(self, runtime: 'Runtime', callback: Callable[[], None]) -> None:
+    def __init__(self, runtime: Runtime, callback: Callable[[], None]) -> None:
         self._runtime, self._callback = runtime, callback
         self._time_ns: Optional[int] = None
         self._timer = runtime.every(SELDOM, self._fire)
