@@ -14,21 +14,45 @@
 
 """Says who publishes what should have one publisher, once where it changes, and while it lasts."""
 
-from typing import Any, List
+from typing import Any, List, Optional
 
+from diffdrive_kinematics.ros.runtime.alone import name_of, UNNAMED
 from diffdrive_kinematics.ros.runtime.diagnostics import Problem, WARN
 from rclpy.subscription import Subscription
 
-__all__ = ['LOOK_RATE', 'PublisherWatch', 'publishers_of']
+__all__ = ['LOOK_RATE', 'PublisherNames', 'PublisherWatch']
 
 LOOK_RATE = 1.0  # [Hz]; a look takes a microsecond where nothing has changed
+PATIENCE = 5  # looks for a name that has not come yet
 
 
-def publishers_of(node: Any, topic: str) -> str:
-    """Return the names of the nodes that publish a topic, as a list in words."""
-    found = node.get_publishers_info_by_topic(node.resolve_topic_name(topic))
-    names = sorted(f"{info.node_namespace.rstrip('/')}/{info.node_name}" for info in found)
-    return ', '.join(names) or 'nodes unknown'
+class PublisherNames:
+    """
+    The names of the nodes that publish a topic.
+
+    That of a newcomer comes a little after its publisher, and later still on a busy machine.
+
+    Parameters
+    ----------
+    node : DiffDriveNode
+        That listens.
+    topic : str
+        As the node names it.
+
+    """
+
+    def __init__(self, node: Any, topic: str) -> None:
+        self._node, self._topic = node, node.resolve_topic_name(topic)
+        self._looks = 0
+
+    def look(self, at_least: int = 1) -> Optional[str]:
+        """Return all names as a list in words; None: one has not come yet, so look again."""
+        names = sorted(map(name_of, self._node.get_publishers_info_by_topic(self._topic)))
+        if (UNNAMED in names or len(names) < at_least) and self._looks < PATIENCE:
+            self._looks += 1
+            return None
+        self._looks = 0
+        return ', '.join(names) or 'nodes unknown'
 
 
 class PublisherWatch:
@@ -50,7 +74,7 @@ class PublisherWatch:
 
     def __init__(self, node: Any, topic: str, subscription: Subscription, remedy: str) -> None:
         self._node, self._topic, self._remedy = node, topic, remedy
-        self._count_of = subscription.get_publisher_count
+        self._count_of, self._names = subscription.get_publisher_count, PublisherNames(node, topic)
         self.count, self._problem = 0, ''
         node.runtime.every(LOOK_RATE, self._look)
 
@@ -58,12 +82,13 @@ class PublisherWatch:
         count = self._count_of()
         if count == self.count:
             return
+        names = self._names.look(count) if count > 1 else ''
+        if names is None:
+            return
         was, self.count = self.count, count
         topic = self._node.resolve_topic_name(self._topic)
         if count > 1:
-            self._problem = (
-                f"{count} publishers of '{topic}' ({publishers_of(self._node, topic)}): "
-                f'{self._remedy}')
+            self._problem = f"{count} publishers of '{topic}' ({names}): {self._remedy}"
             self._node.get_logger().warning(self._problem)
         elif was > 1:
             self._problem = ''

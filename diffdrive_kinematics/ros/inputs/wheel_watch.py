@@ -16,7 +16,7 @@
 
 from typing import Any, Dict, List
 
-from diffdrive_kinematics.ros.inputs.publisher_watch import LOOK_RATE, publishers_of
+from diffdrive_kinematics.ros.inputs.publisher_watch import LOOK_RATE, PublisherNames
 from diffdrive_kinematics.ros.messages.wheel_messages import WheelReader
 from diffdrive_kinematics.ros.runtime.diagnostics import Problem, WARN
 
@@ -46,7 +46,7 @@ class WheelWatch:
 
     def __init__(self, node: Any, reader: WheelReader, topic: str) -> None:
         self._node, self._gathering, self._reader = node, reader.gathering, reader
-        self._topic = node.resolve_topic_name(topic)
+        self._topic, self._names = node.resolve_topic_name(topic), PublisherNames(node, topic)
         self._contest, self._silent, self._apart = '', '', ''
         self._disagreements: List[str] = []
         self._left_out = self._reported_left_out = self._reported_incomplete = 0
@@ -63,10 +63,10 @@ class WheelWatch:
         sources = self._gathering.sources
         if not sources.contested(now_ns):
             self._contest = ''
-        elif not self._contest:
+        elif not self._contest and (names := self._names.look()) is not None:
             self._contest = (
                 f"wheel motion of our joints comes from several publishers on '{self._topic}' "
-                f'(it is published by {publishers_of(self._node, self._topic)}): {REMEDY}')
+                f'(it is published by {names}): {REMEDY}')
             self._node.get_logger().warning(self._contest)
 
     def _look_at_missing_joints(self, now_ns: int) -> None:

@@ -20,11 +20,12 @@ from typing import List, Mapping, MutableMapping, Sequence
 
 from diffdrive_kinematics.ros.runtime.output import complain
 from rclpy.node import Node
+from rclpy.topic_endpoint_info import TopicEndpointInfo
 
-__all__ = ['Disturbed', 'check_alone', 'keep_to_this_machine']
+__all__ = ['Disturbed', 'UNNAMED', 'check_alone', 'keep_to_this_machine', 'name_of']
 
 POLL_S = 0.01
-UNKNOWN = 'a node without a name'
+UNNAMED = 'a node without a name'
 RANGE = 'ROS_AUTOMATIC_DISCOVERY_RANGE'
 REACH = RANGE, 'ROS_LOCALHOST_ONLY', 'ROS_STATIC_PEERS', 'ROS_DISCOVERY_SERVER'
 
@@ -57,9 +58,9 @@ def check_alone(node: Node, own: Mapping[str, Sequence[str]], *, patience_s: flo
     """
     for topic, ours in own.items():
         deadline = time.monotonic() + patience_s
-        while UNKNOWN in (others := _others(node, topic, ours)) and time.monotonic() < deadline:
+        while UNNAMED in (others := _others(node, topic, ours)) and time.monotonic() < deadline:
             time.sleep(POLL_S)
-        if others and (patience_s or UNKNOWN not in others):
+        if others and (patience_s or UNNAMED not in others):
             raise Disturbed(
                 f"'{topic}' is published by {' and '.join(others)} of another process too. This "
                 'process runs on stepped time, and its results would be wrong: stop the other '
@@ -70,8 +71,11 @@ def _others(node: Node, topic: str, ours: Sequence[str]) -> List[str]:
     """Return the full names of the nodes elsewhere that publish a topic."""
     if node.count_publishers(topic) <= len(ours):
         return []
-    found = Counter(
-        UNKNOWN if 'UNKNOWN' in info.node_name
-        else f"{info.node_namespace.rstrip('/')}/{info.node_name}"
-        for info in node.get_publishers_info_by_topic(topic))
+    found = Counter(map(name_of, node.get_publishers_info_by_topic(topic)))
     return sorted(found - Counter(ours))
+
+
+def name_of(info: TopicEndpointInfo) -> str:
+    """Return the full name of the node of an endpoint, or ``UNNAMED`` while it is not known."""
+    return UNNAMED if 'UNKNOWN' in info.node_name else (
+        f"{info.node_namespace.rstrip('/')}/{info.node_name}")
