@@ -34,7 +34,8 @@ __all__ = ['Rest', 'Threads', 'can_tell']
 STATE = '/proc/{0}/task/{1}/stat'
 CHILDREN = '/proc/{0}/task/{1}/children'
 NEWEST = '/proc/loadavg'  # its last number changes with each new thread of the machine
-ASLEEP, BUSY = b') S ', b'RD'  # runs, or waits for a processor; waits for a disk
+ASLEEP = b') S '
+BUSY = b'RDTt'  # runs, or waits for a processor; waits for a disk; is stopped, or by a debugger
 LENGTH = 512
 CPU_TIME, CPU_TIME_OF_THREAD = 2, 6  # kinds of clocks of the kernel, <linux/posix-timers.h>
 

@@ -123,6 +123,20 @@ def test_a_process_that_sleeps_is_at_rest_and_one_that_works_is_not():
             threads[each].close()
 
 
+def test_a_process_that_is_stopped_is_not_at_rest_as_messages_may_lie_before_it():
+    stopped = subprocess.Popen([sys.executable, '-c', 'input()'], stdin=subprocess.PIPE)
+    threads = Threads(stopped.pid)
+    try:
+        stopped.send_signal(signal.SIGSTOP)
+        os.waitid(os.P_PID, stopped.pid, os.WSTOPPED | os.WNOWAIT)
+        threads.find()
+        assert not threads.asleep()
+    finally:
+        stopped.kill()
+        stopped.communicate()
+        threads.close()
+
+
 def test_a_node_that_hangs_is_named_though_it_tells_nothing(diffdrive, files, monkeypatch):
     monkeypatch.setattr(stepping, 'DEADLINE_S', 8.0)
     path = files / 'hangs.py'
