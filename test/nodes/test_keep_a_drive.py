@@ -157,7 +157,7 @@ def test_a_drive_in_real_time_that_is_ended_leaves_what_was_kept(graph, tmp_path
     sim = graph.start('diffdrive_sim', args=[
         '--ros-args', '--params-file', str(CONFIG / 'demo.yaml'), '-p', 'clock_step:=0.0', '-p',
         f'record:={run}'])
-    graph.wait_for(lambda: ' of 24.0 s' in sim.output, 'the course to begin')
+    graph.wait_for(lambda: ' 2.4 of 24.0 s' in sim.output, 'some of the course')
     assert sim.stop() == 0, sim.output
     time = columns_of(run)['time_sec']
     (ended,) = re.findall(r'the recording ends at (\S+) s because .* interrupted', sim.output)
@@ -182,8 +182,9 @@ def test_an_interrupted_recording_is_as_long_as_its_rows_however_late_it_is_clos
 def test_a_drive_is_kept_beside_files_that_have_come_meanwhile(graph, tmp_path):
     run, picture = tmp_path / 'run.csv', tmp_path / 'run.png'
     sim = graph.start('diffdrive_sim', args=[
-        '--ros-args', '-p', f'record:={run}', '-p', f'picture:={picture}'])
-    graph.wait_for(lambda: ' of 24.0 s' in sim.output, 'the course to begin')
+        '--ros-args', '-p', f'record:={run}', '-p', f'picture:={picture}', '-p',
+        'real_time_factor:=1.0'])
+    graph.wait_for(lambda: ' 2.4 of 24.0 s' in sim.output, 'some of the course')
     run.write_text('mine')
     picture.write_text('mine')
     assert sim.stop() == 0, sim.output

@@ -30,7 +30,9 @@ pytestmark = pytest.mark.ros
 
 
 class Terminal:
-    """A terminal with the node in it, and what it publishes."""
+    """A terminal with the node in it, and what it publishes; the graph ends it."""
+
+    name = 'teleop'
 
     def __init__(self, graph, kind=Twist, answer=b'\x1b[?62c', **parameters):
         self.graph, self.output = graph, b''
@@ -42,6 +44,7 @@ class Terminal:
         self.process = subprocess.Popen(
             [sys.executable, '-c', START.format('teleop'), *arguments(parameters)],
             stdin=theirs, stdout=theirs, stderr=theirs, env=graph._environment)
+        graph.processes.append(self)
         self.wait(lambda: b'\x1b[c' in self.read(), 'the question')
         os.write(self.ours, answer)
         self.wait(lambda: b'speed 0' in self.read(), 'the speeds')
@@ -57,6 +60,10 @@ class Terminal:
     def press(self, text):
         os.write(self.ours, text if isinstance(text, bytes) else text.encode())
 
+    def hold(self, key, condition, what):
+        """Repeat a key, as a keyboard does, until a condition holds."""
+        self.wait(lambda: self.press(key) or condition(), what)
+
     def wait(self, condition, what):
         return self.graph.wait_for(condition, what)
 
@@ -64,7 +71,7 @@ class Terminal:
         twist = getattr(self.commands[-1], 'twist', self.commands[-1]) if self.commands else None
         return twist and (twist.linear.x, twist.angular.z)
 
-    def close(self):
+    def kill(self):
         if self.process.poll() is None:
             self.process.kill()
             self.process.wait()
@@ -74,15 +81,7 @@ class Terminal:
 
 @pytest.fixture
 def terminal(graph):
-    made = []
-
-    def make(**options):
-        made.append(Terminal(graph, **options))
-        return made[-1]
-
-    yield make
-    for each in made:
-        each.close()
+    return lambda **options: Terminal(graph, **options)
 
 
 @pytest.mark.parametrize('key, v, w', [
@@ -90,8 +89,7 @@ def terminal(graph):
     ('o', 0.2, -1.0), ('m', -0.2, -1.0), ('.', -0.2, 1.0)])
 def test_a_key_drives_as_in_teleop_twist_keyboard_and_its_silence_ends_it(terminal, key, v, w):
     opened = terminal()
-    opened.press(key)
-    opened.wait(lambda: opened.last() == (v, w), 'the command')
+    opened.hold(key, lambda: opened.last() == (v, w), 'the command')
     opened.wait(lambda: opened.last() == (0.0, 0.0), 'the rest')
 
 
@@ -105,9 +103,10 @@ def test_any_other_key_stops(terminal):
 
 def test_the_speeds_are_those_of_the_yaml_and_go_up_and_down(terminal):
     opened = terminal(kind=TwistStamped, enable_stamped_cmd_vel=True, speed=0.5, yaw_rate=2.0)
-    opened.press('qwexi')
+    opened.press('qwex')
     expected = 0.5 * 1.1 * 1.1 * 0.9
-    opened.wait(lambda: opened.last() == (pytest.approx(expected), 0.0), 'the command')
+    opened.hold(
+        'i', lambda: opened.last() == (pytest.approx(expected), 0.0), 'the command')
     assert opened.commands[-1].header.stamp.sec
     assert b'yaw rate 2.420 rad/s' in opened.read()
 
@@ -131,8 +130,7 @@ def test_a_terminal_that_tells_releases_is_believed(terminal):
 
 def test_a_terminal_that_tells_releases_and_hangs_does_not_drive_on(terminal):
     opened = terminal(answer=b'\x1b[?0u\x1b[?62c')
-    opened.press(b'\x1b[105u')
-    opened.wait(lambda: opened.last() == (0.2, 0.0), 'the command')
+    opened.hold(b'\x1b[105u', lambda: opened.last() == (0.2, 0.0), 'the command')
     opened.wait(lambda: opened.last() == (0.0, 0.0), 'the rest')
 
 

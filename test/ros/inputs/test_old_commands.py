@@ -22,6 +22,7 @@ import pytest
 from sensor_msgs.msg import JointState
 from support.graph import KHEPERA, stamp_ns, twist, twist_stamped
 from support.health import collect, wait_for_level, WARN
+from support.once import obeyed_once, OLD
 
 CONTROLLER = 'diff_drive_controller'
 STAMPED = {**KHEPERA, 'enable_stamped_cmd_vel': True}
@@ -52,19 +53,25 @@ def at(rates, v):
     return rates and rates[-1].velocity[0] == pytest.approx(v / 0.021, rel=1e-9)
 
 
+def drive_by(graph, rates, send, v):
+    """Send a command until it is obeyed: one alone may come too late, or be over when heard."""
+    graph.wait_for(lambda: send() or at(rates, v), f'the speed {v}')
+
+
 def test_a_command_of_an_hour_ago_moves_nothing_and_is_counted_and_reported(graph):
     controller = graph.start(CONTROLLER, {**STAMPED, 'diagnostics_rate': 10.0})
     statuses = collect(graph, f'/{CONTROLLER}')
     rates = graph.collect(JointState, 'wheel_rates')
     commands = graph.publisher(TwistStamped, 'cmd_vel')
+    graph.wait_for(lambda: statuses and rates, 'both to be heard')
     commands.publish(twist_stamped(graph.now_ns() - HOUR_NS, SPEED, 0.0))
     values = wait_for_level(graph, statuses, WARN, 'old commands: 1 more, 1 in all')[2]
     assert values['old commands'] == '1' and values['timeouts'] == '0'
-    assert 's old, cmd_vel_timeout is 0.5' in controller.output
+    assert f'{OLD} 0.5' in controller.output
     assert 'cmd_vel_clock_offset' in controller.output
     assert turning(rates) == []
-    commands.publish(twist_stamped(graph.now_ns(), SPEED, 0.0))
-    graph.wait_for(lambda: turning(rates), 'a command of now')
+    drive_by(graph, rates, lambda: commands.publish(
+        twist_stamped(graph.now_ns(), SPEED, 0.0)), SPEED)
 
 
 def test_a_command_from_before_a_stop_that_was_carried_out_moves_nothing(graph):
@@ -89,10 +96,10 @@ def test_a_stamp_from_the_future_does_not_lock_out_what_follows(graph):
     graph.start(CONTROLLER, STAMPED)
     rates = graph.collect(JointState, 'wheel_rates')
     commands = graph.publisher(TwistStamped, 'cmd_vel')
-    commands.publish(twist_stamped(graph.now_ns() + HOUR_NS, SPEED, 0.0))
-    graph.wait_for(lambda: at(rates, SPEED), 'the command of the future')
-    commands.publish(twist_stamped(graph.now_ns(), -SPEED, 0.0))
-    graph.wait_for(lambda: at(rates, -SPEED), 'the command of now')
+    drive_by(graph, rates, lambda: commands.publish(
+        twist_stamped(graph.now_ns() + HOUR_NS, SPEED, 0.0)), SPEED)
+    drive_by(graph, rates, lambda: commands.publish(
+        twist_stamped(graph.now_ns(), -SPEED, 0.0)), -SPEED)
 
 
 @pytest.mark.parametrize('offset', [3600.0, float('nan')])
@@ -101,9 +108,9 @@ def test_clocks_that_are_known_to_be_apart_are_no_age(graph, offset):
         **STAMPED, 'cmd_vel_clock_offset': '.nan' if offset != offset else offset})
     rates = graph.collect(JointState, 'wheel_rates')
     commands = graph.publisher(TwistStamped, 'cmd_vel')
-    commands.publish(twist_stamped(graph.now_ns() - HOUR_NS, SPEED, 0.0))
-    graph.wait_for(lambda: at(rates, SPEED), 'the robot to drive')
-    assert 'ignored' not in controller.output
+    drive_by(graph, rates, lambda: commands.publish(
+        twist_stamped(graph.now_ns() - HOUR_NS, SPEED, 0.0)), SPEED)
+    assert OLD not in controller.output
 
 
 @EXECUTORS
@@ -118,7 +125,7 @@ def test_what_lay_in_the_queue_while_the_process_was_stopped_is_not_driven(graph
     over = time.monotonic() + 1.0  # which is the stall itself
     graph.wait_for(lambda: time.monotonic() > over, 'the stall')
     controller.send(signal.SIGCONT)
-    graph.wait_for(lambda: 's old, cmd_vel_timeout is 0.5' in controller.output, 'a report')
+    graph.wait_for(lambda: f'{OLD} 0.5' in controller.output, 'a report')
     heard = len(rates)
     graph.wait_for(lambda: len(rates) > heard + 25, 'rates')
     assert turning(rates) == []
@@ -156,7 +163,7 @@ def test_a_stall_while_commands_flow_sends_no_needless_stop(graph, executor, lim
         return flow
 
     def stalled():
-        """Stall it once; return whether this process told it of commands all the while."""
+        """Stall it once; return whether nothing else held up it, or this process."""
         graph.wait_for(flowing(lambda: at(rates, SPEED)), 'the speed')
         told_at.clear()
         before = len(rates)
@@ -169,7 +176,9 @@ def test_a_stall_while_commands_flow_sends_no_needless_stop(graph, executor, lim
         if max(b - a for a, b in zip(told_at, told_at[1:])) > 0.5 * TIMEOUT_S:
             return False
         if stall == signal.SIGUSR1:
-            assert longest_silence_ns(rates[before - 1:]) > TIMEOUT_S * 1000 * MS
+            silence_s = longest_silence_ns(rates[before - 1:]) / 1e9
+            if not TIMEOUT_S < silence_s < 1.5 * TIMEOUT_S:  # the machine held it up, too
+                return False
             assert all(at([message], SPEED) for message in rates[before:])
         return True
 
@@ -187,8 +196,8 @@ def test_a_command_that_ended_during_a_stall_is_over_when_the_process_goes_on(gr
     rates = graph.collect(JointState, 'wheel_rates')
     commands = graph.publisher(Twist, 'cmd_vel')
     graph.wait_for(lambda: rates, 'rates')
-    commands.publish(twist(SPEED, 0.0))
-    graph.wait_for(lambda: turning(rates), 'the robot to drive')
+    send = obeyed_once(controller, lambda: commands.publish(twist(SPEED, 0.0)))
+    graph.wait_for(lambda: send() or turning(rates), 'the robot to drive')
     controller.send(signal.SIGSTOP)
     commands.publish(twist(2.0 * SPEED, 0.0))
     over = time.monotonic() + 1.0

@@ -167,8 +167,10 @@ def test_the_last_word_is_repeated_for_who_does_not_acknowledge(graph):
     graph.node.create_subscription(
         JointState, 'wheel_rates', rates.append,
         QoSProfile(depth=100, reliability=ReliabilityPolicy.BEST_EFFORT))
-    graph.publisher(Twist, 'cmd_vel').publish(twist(0.1, 0.0))
-    graph.wait_for(lambda: rates and any(rates[-1].velocity), 'the robot to drive')
+    commands = graph.publisher(Twist, 'cmd_vel')
+    graph.wait_for(  # again, as nothing repeats the rates
+        lambda: commands.publish(twist(0.1, 0.0)) or rates and any(rates[-1].velocity),
+        'the robot to drive')
     assert controller.stop() == 0
     graph.wait_for(
         lambda: [any(message.velocity) for message in rates[-3:]] == [False] * 3,
