@@ -62,6 +62,12 @@ class Slider(NamedTuple):
     step: float
 
 
+class _Knob(ui.slider):
+    """A slider whose page sets it at once: what the server answers may be older by then."""
+
+    LOOPBACK = False
+
+
 class WebPage:
     """
     Serves the page.
@@ -213,7 +219,7 @@ class WebPage:
         for slider in self._sliders:
             with ui.row().classes('dd-row'):
                 ui.label(slider.label).classes('dd-label')
-                ui.slider(min=slider.low, max=slider.high, step=slider.step).bind_value(
+                _Knob(min=slider.low, max=slider.high, step=slider.step).bind_value(
                     self._model, slider.name).on('update:model-value', self._moved).on(
                         'change', lambda event, name=slider.name: self._act(
                             'set', (name, event.args))).classes('dd-slider').props(

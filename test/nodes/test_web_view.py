@@ -15,13 +15,11 @@
 """``web_view`` in a real browser: what drives, what stops, what is set and what is seen."""
 
 import json
-import math
 import os
 import re
 import shutil
 import signal
 import socket
-import time
 
 from geometry_msgs.msg import Twist
 from nav_msgs.msg import Odometry
@@ -163,17 +161,9 @@ def test_a_slider_sets_the_noise_and_all_viewers_see_it(robot, browser):
     knob.focus()
     before = robot.noise('left_bias')
     assert before == pytest.approx(0.01)
-    pressed_at = -math.inf
-
-    def moved():  # one press a second, as the page may lose one of several in 10 ms
-        nonlocal pressed_at
-        left = before + 0.005 - robot.noise('left_bias')
-        if left > 1e-6 and time.monotonic() > pressed_at + 1.0:
-            first.keyboard.press('ArrowRight')
-            pressed_at = time.monotonic()
-        return abs(left) < 1e-9
-
-    robot.wait(moved, 'the bias')
+    for _ in range(5):  # at once, so before any of them is answered
+        first.keyboard.press('ArrowRight')
+    robot.wait(lambda: robot.noise('left_bias') == pytest.approx(before + 0.005), 'the bias')
     robot.wait(lambda: second.get_by_text('0.015', exact=True).count(), 'the other viewer')
     assert robot.odometry == [] or robot.rests()  # keys of a slider do not drive
 
