@@ -114,9 +114,8 @@ class DiffDriveSim(DiffDriveNode[Config]):
         self.keeping.begin(self.parameters.values, [
             publisher for node in (self, *self.members) for publisher in node.publishers])
         if path := self.parameters.values['square_runs']:
-            self.keeping.note_squares(path, [
-                Squares(node.config.runs, node.elapsed_s, node.config.values)
-                for node in self._sequences])
+            self.keeping.note_squares(path, [Squares(
+                node.config.runs, node.elapsed_s, node.config.values) for node in self._sequences])
 
     def kept(self) -> List[str]:
         """Complete what is kept of the drive; return a line on each."""
@@ -176,9 +175,10 @@ class DiffDriveSim(DiffDriveNode[Config]):
 
     def _finished(self) -> bool:
         """Note and show how far it is; return whether the course is done, the robot at rest."""
-        with refusing():
-            line = self.keeping.note()
-        self._show(line)
+        if self.keeping.notes:
+            with refusing():
+                line = self.keeping.note()
+            self._show(line)
         self._live(lambda: pose_line(self._now_ns() / 1e9 - self._began_s, self.robots()))
         if self._sequences:
             self._show_progress(max(self._sequences, key=lambda node: node.length_s))

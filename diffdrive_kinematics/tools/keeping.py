@@ -71,6 +71,11 @@ class Keeping:
         self._squares = SquareNotes(
             path, squares, self._moments(), calibrates=bool(self._calibration))
 
+    @property
+    def notes(self) -> bool:
+        """Return whether there is something to note on the way."""
+        return bool(self._table or self._picture or self._squares)
+
     def note(self) -> str:
         """
         Note where the robots are, where a period has passed or the clock was set back.

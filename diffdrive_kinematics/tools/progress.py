@@ -49,8 +49,7 @@ class Progress:
             self._write(f'\r{text[:self._width() - len(since)]}{since}\x1b[K')
 
     def _due(self, *, begins: bool = False) -> bool:
-        now = time.monotonic()
-        if not self._shown or now < self._next and not begins:
+        if not self._shown or (now := time.monotonic()) < self._next and not begins:
             return False
         self._next = now + PERIOD_S
         return True

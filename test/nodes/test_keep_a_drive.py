@@ -178,6 +178,18 @@ def test_an_interrupted_recording_is_as_long_as_its_rows_however_late_it_is_clos
         'the recording ends at 2.50 s because the course was interrupted')
 
 
+@pytest.mark.parametrize('record', ['run.csv', ''])
+def test_only_where_something_is_kept_there_is_something_to_note_on_the_way(tmp_path, record):
+    pose = Pose(0.0, 0.0, 0.0)
+    keeping = Keeping(
+        lambda: [Moment('', S, base().predict(S), None, pose, base().geometry)], lambda: S)
+    assert not keeping.notes
+    keeping.begin({'record': record and str(tmp_path / record), 'picture': '',
+                   'overwrite': False, 'calibration': ''}, [])
+    assert keeping.notes == bool(record)
+    keeping.discard()
+
+
 @MATPLOTLIB
 def test_a_drive_is_kept_beside_files_that_have_come_meanwhile(graph, tmp_path):
     run, picture = tmp_path / 'run.csv', tmp_path / 'run.png'
