@@ -203,6 +203,8 @@ class WheelWriter:
 
     ``source`` tells this run of this publisher from any other, so that positions that begin to
     count anew are not taken for motion (see ``WheelReader``).  ``encoder`` reads the positions.
+    ``encode_two`` makes the message of a stamp, and of positions and rates of two joints; None:
+    there are others, some are inverted, or an encoder reads them.
     """
 
     def __init__(
@@ -210,23 +212,18 @@ class WheelWriter:
         self._joints, self._encoder, self._source = joints, encoder, source
         self._reads = bool(encoder.period or encoder.resolution)
         self._names, self._codec = joints.all_names(), JointStateCodec()
-
-    def encoder_of_two(self) -> Optional[Callable[..., Any]]:
-        """
-        Return what makes the message of a stamp, and of positions and rates of two joints.
-
-        None: there are others, some are inverted, or an encoder reads them.
-        """
-        joints = self._joints
-        if len(self._names) != 2 or any(joints.inverted) or self._reads:
-            return None
-        return self._codec.encoder_of_two(self._source, self._names)
+        usual = len(self._names) == 2 and not any(joints.inverted) and not self._reads
+        self.encode_two = self._codec.encoder_of_two(source, self._names) if usual else None
 
     def encode(
             self, stamp_ns: int, rates: Optional[WheelPair], positions: Optional[WheelPair]
     ) -> Union[bytes, JointState]:
         """Return the message with a stamp, rates [rad/s] and positions [rad]; None: absent."""
         joints, angles = self._joints, None
+        if self.encode_two and positions and rates:  # as nearly always
+            gear = joints.gear_ratio
+            return self.encode_two(stamp_ns, gear * positions[0], gear * positions[1],
+                                   gear * rates[0], gear * rates[1])
         if positions is not None:
             angles = joints.motion(positions)
             if self._reads:

@@ -77,7 +77,7 @@ class LeanBase:
         self._reader, self._poll, self._health = reader, poll, health
         self._out, self._beside = out, beside
         self._joints = joints
-        self._encode_joints = wheels.encoder_of_two()
+        self._encode_joints = wheels.encode_two
         self._now, self._plain_tick = now, tick
 
     @property
