@@ -22,10 +22,11 @@ from diffdrive_kinematics.nodes.simulated_base import SimulatedBase
 from diffdrive_kinematics.ros.runtime import clocks
 from diffdrive_kinematics.ros.runtime.clocks import SteadyTimers
 from geometry_msgs.msg import PoseWithCovarianceStamped
+from nav_msgs.msg import Odometry
 import pytest
 from rclpy.logging import LoggingSeverity
 from rclpy.parameter import Parameter
-from rclpy.serialization import serialize_message
+from rclpy.serialization import deserialize_message, serialize_message
 from sensor_msgs.msg import JointState
 from std_srvs.srv import Trigger
 from support.graph import JOINTS, set_stamp
@@ -234,3 +235,98 @@ def test_a_lean_base_is_a_plain_one(name, time):
                 for base in bases:
                     base.node.destroy_node()
     assert usual > 50 if name in SETTINGS else not usual
+
+
+RATE = 5.0
+STEP_M = 0.01 * 0.033 * RATE  # of a tick
+
+
+class Wheels:
+    """Two wheels that turn alike, what they tell a base, and what the base makes of it."""
+
+    def __init__(self, base, time, ahead_ns=0):
+        self._base, self._time, self._ahead_ns = base, time, ahead_ns
+        self._number = self._ticks = 0
+
+    @property
+    def angle(self):
+        return 0.01 * RATE * self._ticks
+
+    def tell(self):
+        self._number += 1
+        message = JointState(
+            name=list(JOINTS), velocity=[RATE] * 2, position=[self.angle] * 2)
+        message.header.frame_id = 'driver#1'
+        set_stamp(message, self._time.wall_ns + self._ahead_ns)
+        self._base.queue.append((serialize_message(message), {
+            'publication_sequence_number': self._number,
+            'received_timestamp': self._time.wall_ns}))
+
+    def turn(self, ticks, *, silently=False):
+        """Turn for so many ticks, and tell it at every other one."""
+        for tick in range(ticks):
+            if not (silently or tick % 2):
+                self.tell()
+            self._base.node._on_timer()
+            self._time.pass_by(10 * MS)
+            self._ticks += 1
+
+    def said(self, topic, kind):
+        """Tick, and return the last message of a topic."""
+        self._base.node._on_timer()
+        return deserialize_message(
+            next(data for name, data in reversed(self._base.said) if name == topic), kind)
+
+
+LEAN = {'wheel_radius': 0.033, 'wheel_separation': 0.16, 'publish_rate': 100.0,
+        'enable_odom_tf': False, **SLIP}
+
+
+@pytest.fixture
+def lean(time):
+    with initialised(LEAN):
+        base = Base(True)
+        try:
+            yield base
+        finally:
+            base.node.destroy_node()
+
+
+def x_and_variance(wheels):
+    pose = wheels.said('/odom', Odometry).pose
+    return pose.pose.position.x, pose.covariance[0]
+
+
+def test_a_pose_that_is_set_and_a_reset_hold_on_the_lean_path(time, lean):
+    wheels = Wheels(lean, time)
+    wheels.turn(50)
+    assert lean.node._lean._fresh and x_and_variance(wheels)[0] == pytest.approx(50 * STEP_M)
+    put_elsewhere(lean)
+    assert x_and_variance(wheels) == pytest.approx((3.0, 0.25))
+    wheels.turn(50)
+    assert lean.node._lean._fresh
+    x, variance = x_and_variance(wheels)
+    assert x == pytest.approx(3.0 + 50 * STEP_M) and 0.25 < variance < 0.26
+    assert wheels.said('/joint_states', JointState).position[0] == pytest.approx(wheels.angle)
+    lean.node._on_reset(Trigger.Request(), Trigger.Response())
+    wheels.turn(50)
+    assert lean.node._lean._fresh
+    x, variance = x_and_variance(wheels)
+    assert x == pytest.approx(50 * STEP_M) and 0.0 < variance < 0.01
+    assert wheels.said('/joint_states', JointState).position[0] == pytest.approx(0.5 * RATE)
+
+
+@pytest.mark.parametrize('ahead_ms', [0, 3000, -3000])
+def test_wheels_stop_by_the_timeout_whatever_the_clock_of_a_publisher_that_is_killed(
+        time, lean, ahead_ms):
+    wheels = Wheels(lean, time, ahead_ms * MS)
+    wheels.turn(101)
+    assert lean.node._lean._live or ahead_ms
+    wheels.turn(48, silently=True)
+    assert wheels.said('/odom', Odometry).twist.twist.linear.x == pytest.approx(0.033 * RATE)
+    time.pass_by(10 * MS)
+    at_rest = wheels.said('/odom', Odometry)
+    assert at_rest.twist.twist.linear.x == 0.0
+    assert at_rest.pose.pose.position.x == pytest.approx(150 * STEP_M)
+    time.pass_by(10_000 * MS)
+    assert wheels.said('/odom', Odometry).pose.pose == at_rest.pose.pose
