@@ -28,7 +28,7 @@ from nav_msgs.msg import Odometry
 import pytest
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState
-from support.graph import KHEPERA, pose_of, set_stamp, stamp_ns, twist
+from support.graph import KHEPERA, pose_of, set_stamp, stamp_ns, twist, x_of
 from support.relay import composed, merging_error, Relay
 from support.stepped import messages, nodes
 
@@ -321,16 +321,22 @@ def test_a_robot_whose_controller_ends_at_speed_stands_from_its_last_word_on(gra
         clock.publish(Clock(clock=time_of(now)))
         return condition()
 
-    graph.wait_for(lambda: on(lambda: odometry), 'odometry')
+    def wait_on(condition, what):
+        graph.wait_for(lambda: on(condition), what)
+
+    wait_on(lambda: commands.publish(twist(SPEED, 0.0)) or (
+        rates and odometry and x_of(odometry) > 0.0), 'the base to hear the controller')
+    commands.publish(twist(0.0, 0.0))
+    graph.wait_for_rest([rates], [odometry], wait_on)
+    began, position = x_of(odometry), rates[-1].position[0]
     commands.publish(twist(SPEED, 0.0))
-    graph.wait_for(lambda: rates and rates[-1].velocity[0] > 0.0, 'the robot to drive')
+    graph.wait_for(lambda: rates[-1].velocity[0] > 0.0, 'the robot to drive')
     assert controller.stop() == 0
     graph.wait_for(lambda: rates[-1].velocity[0] == 0.0, 'the last word')
     last = stamp_ns(rates[-1])
-    graph.wait_for(
-        lambda: on(lambda: stamp_ns(odometry[-1]) > last + 500_000_000), 'odometry after it')
+    wait_on(lambda: stamp_ns(odometry[-1]) > last + 500_000_000, 'odometry after it')
     driving = max(n for n, message in enumerate(rates) if message.velocity[0] > 0.0)
     assert len({tuple(message.position) for message in rates[driving + 1:]}) == 1
-    rolled = rates[-1].position[0] * KHEPERA['wheel_radius']
-    assert odometry[-1].pose.pose.position.x == pytest.approx(rolled, abs=1e-9)
+    rolled = (rates[-1].position[0] - position) * KHEPERA['wheel_radius']
+    assert x_of(odometry) - began == pytest.approx(rolled, abs=1e-9)
     assert 'out of order' not in base.output

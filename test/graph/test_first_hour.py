@@ -45,6 +45,7 @@ def test_a_parameter_that_a_section_of_the_demo_beats_is_told_with_the_form_that
         '--ros-args', '-p', 'nodes:=[simulated_base]', *geometry])
     graph.wait_for(lambda: f'use -p {form}' in sim.output, 'the warning')
     sim.stop()
+    graph.wait_for(lambda: 'simulated_base' not in graph.node.get_node_names(), 'its node to go')
     obeyed = graph.start('diffdrive_sim', args=['--ros-args', '-p', form, *geometry])
     graph.wait_for(lambda: 'simulated_base' in graph.node.get_node_names(), 'the base')
     assert obeyed.stop() == 0, obeyed.output

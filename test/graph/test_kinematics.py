@@ -21,7 +21,8 @@ from diffdrive_kinematics.core.kinematics import (
 from geometry_msgs.msg import TwistStamped
 from nav_msgs.msg import Odometry
 import pytest
-from support.graph import KHEPERA, pose_of, stamp_ns, twist, twist_stamped
+from sensor_msgs.msg import JointState
+from support.graph import KHEPERA, pose_of, stamp_ns, twist, twist_stamped, x_of
 from support.relay import composed
 from support.stepped import messages, nodes
 
@@ -88,13 +89,15 @@ def test_stamped_commands_that_come_late_and_all_at_once_compose_exactly_too(gra
         **KHEPERA, 'cmd_vel_timeout': 0.0, 'enable_stamped_cmd_vel': True,
         'stamp_tolerance': 60.0})
     graph.start('simulated_base', {**KHEPERA, 'command_timeout': 60.0, 'enable_odom_tf': False})
-    odometry = graph.collect(Odometry, 'odom')
-    graph.wait_for(lambda: odometry, 'odometry')
+    odometry, rates = graph.collect(Odometry, 'odom'), graph.collect(JointState, 'wheel_rates')
     commands = graph.publisher(TwistStamped, 'cmd_vel')
-    first = stamp_ns(odometry[0])
-    graph.wait_for(lambda: stamp_ns(odometry[-1]) > first + 700_000_000, 'some time to pass')
+    graph.wait_for(lambda: commands.publish(twist_stamped(graph.now_ns(), 0.1, 0.0)) or (
+        odometry and x_of(odometry) > 0.0), 'the base to hear the controller')
+    commands.publish(twist_stamped(graph.now_ns(), 0.0, 0.0))
+    graph.wait_for_rest([rates], [odometry])
+    expected, rested = pose_of(odometry[-1]), stamp_ns(odometry[-1])
+    graph.wait_for(lambda: stamp_ns(odometry[-1]) > rested + 700_000_000, 'some time to pass')
     start = graph.now_ns() - 600_000_000
-    expected = Pose(0.0, 0.0, 0.0)
     for number, (v, w) in enumerate(COMMANDS):
         commands.publish(twist_stamped(start + number * 100_000_000, v, w))
         expected = advance(expected, 0.1 * v, 0.1 * w)

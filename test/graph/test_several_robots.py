@@ -19,6 +19,7 @@ import re
 from geometry_msgs.msg import Twist
 from nav_msgs.msg import Odometry
 import pytest
+from sensor_msgs.msg import JointState
 from support.graph import twist
 
 CONFIG = Path(__file__).parents[2] / 'config' / 'two_robots.yaml'
@@ -49,6 +50,8 @@ def test_a_command_to_one_robot_moves_that_robot_only(graph, start):
     start(graph)
     belief = {robot: graph.collect(Odometry, f'/{robot}/odom') for robot in ROBOTS}
     truth = {robot: graph.collect(Odometry, f'/{robot}/ground_truth') for robot in ROBOTS}
+    wheels = {robot: [graph.collect(JointState, f'/{robot}/{topic}') for topic in (
+        'wheel_rates', 'noisy_wheel_rates')] for robot in ROBOTS}
     graph.wait_for(lambda: all([*belief.values(), *truth.values()]), 'odometry of both')
     for robot in ROBOTS:
         assert belief[robot][-1].header.frame_id == f'{robot}/odom'
@@ -66,8 +69,7 @@ def test_a_command_to_one_robot_moves_that_robot_only(graph, start):
 
         assert place(belief[robot]) == place(truth[robot]) == (0.0, START_Y[robot], 0.0)
         graph.wait_for(there, f'{robot} to drive')
-        graph.wait_for(lambda: not any(
-            heard[robot][-1].twist.twist.linear.x for heard in (belief, truth)), 'the stop')
+        graph.wait_for_rest(wheels[robot], [belief[robot], truth[robot]])
         assert place(belief[robot])[1] == START_Y[robot]
         assert place(truth[robot])[1] != START_Y[robot]  # biased and slipping
         graph.wait_for(lambda: len(belief[other]) > seen + 5, f'odometry of {other}')

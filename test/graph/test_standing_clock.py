@@ -22,7 +22,7 @@ from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
 from rcl_interfaces.srv import SetParameters
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState
-from support.graph import JOINTS, KHEPERA, stamp_ns, twist
+from support.graph import JOINTS, KHEPERA, stamp_ns, twist, x_of
 
 SIMULATED = {**KHEPERA, 'use_sim_time': True}
 WAITING = 'waiting for /clock, use_sim_time is true'
@@ -90,11 +90,11 @@ def test_every_node_says_that_its_clock_has_not_begun_and_hands_on_no_motion(gra
         commands.publish(twist(SPEED, 0.0))
         wheels.publish(JointState(name=JOINTS, velocity=[1.0, 1.0]))
         return (all(WAITING in process.output for process in processes)
-                and set(problems) == {f'/{name}' for name in NODES})
+                and set(problems) == {f'/{name}' for name in NODES}
+                and all(level == DiagnosticStatus.WARN and WAITING in message
+                        for level, message in problems.values()))
 
     graph.wait_for(told, 'all of them to say so')
-    for level, message in problems.values():
-        assert level == DiagnosticStatus.WARN and WAITING in message
     own = [message for message in outputs[0] if message.header.frame_id]  # those of the controller
     assert own == outputs[1] == outputs[2] == odometry == []
 
@@ -115,8 +115,7 @@ def test_a_command_to_stand_still_takes_effect_before_the_clock_has_begun(graph)
     graph.start('diff_drive_controller', SIMULATED)
     rates = graph.collect(JointState, 'wheel_rates')
     commands = graph.publisher(Twist, 'cmd_vel')
-    commands.publish(twist(0.0, 0.0))
-    graph.wait_for(lambda: rates, 'the stop')
+    graph.wait_for(lambda: commands.publish(twist(0.0, 0.0)) or rates, 'the stop')
     assert moving(rates) == []
 
 
@@ -127,16 +126,19 @@ def test_where_neither_commands_come_nor_time_goes_on_the_wheels_are_told_to_sta
     rates, odometry = graph.collect(JointState, 'wheel_rates'), graph.collect(Odometry, 'odom')
     commands = graph.publisher(Twist, 'cmd_vel')
     time = SimulatedTime(graph)
-    time.wait_for(lambda: odometry, 'odometry')
+    time.wait_for(lambda: commands.publish(twist(SPEED, 0.0)) or (
+        rates and odometry and x_of(odometry) > 0.0), 'the base to hear the controller')
+    graph.wait_for_rest([rates], [odometry], time.wait_for)
+    began, position = x_of(odometry), rates[-1].position[0]
     drive(graph, time, rates, commands, SPEED)
     graph.wait_for(lambda: not any(rates[-1].velocity), 'the stop')
     graph.wait_for(lambda: '/clock stands at' in controller.output, 'a report')
     last = rates[-1]
-    time.wait_for(lambda: odometry and stamp_ns(odometry[-1]) > stamp_ns(last) + 200_000_000,
+    time.wait_for(lambda: stamp_ns(odometry[-1]) > stamp_ns(last) + 200_000_000,
                   'odometry after it')
     assert_no_stamp_falls(rates)
-    assert odometry[-1].pose.pose.position.x == pytest.approx(
-        rates[-1].position[0] * 0.021, abs=1e-9)
+    assert x_of(odometry) - began == pytest.approx(
+        (rates[-1].position[0] - position) * 0.021, abs=1e-9)
     assert 'out of order' not in base.output
 
 

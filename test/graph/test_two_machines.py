@@ -181,19 +181,31 @@ def test_a_base_on_another_machine_is_exact_and_stops_when_the_cable_is_pulled(m
     machines.node(a, 'diff_drive_controller', {**KHEPERA, 'cmd_vel_timeout': 0.0})
     machines.node(a, 'command_sequence', {
         'commands': [SPEED, TURN, 600.0], 'wait_for_topics': ['odom']})
-    ears.wait_for(lambda: ears.odom[-1][2] > 0.01, 'the robot drives')
-    machines.pull(a)
+    unheard = None  # [s] driven before the base had found the controller
+
+    def turned():
+        """Return how long [s] the wheels had turned when the last odometry was told."""
+        odom, wheels = ears.odom[-1], ears.wheels[-1]
+        return driven(wheels) + (odom[0] - wheels[0]) / 1e9
+
+    def goes_on():
+        odom = ears.odom[-1]
+        return odom[4] != 0.0 and off_by(odom, after(turned() - unheard)) < 1e-9
+
+    def drives():
+        nonlocal unheard
+        if ears.odom[-1][2] < 0.01 or not any(ears.wheels[-1][1:3]):
+            return False
+        unheard = turned() - ears.odom[-1][3] / TURN
+        return goes_on()
 
     def stopped():
         odom, last = ears.odom[-1], ears.wheels[-3:]  # the base may have heard one less
         return odom[4] == 0.0 and min(
-            off_by(odom, after(driven(wheels) + TIMEOUT_S)) for wheels in last) < 1e-9
+            off_by(odom, after(driven(wheels) - unheard + TIMEOUT_S)) for wheels in last) < 1e-9
 
-    def goes_on():
-        odom, wheels = ears.odom[-1], ears.wheels[-1]
-        return odom[4] != 0.0 and off_by(
-            odom, after(driven(wheels) + (odom[0] - wheels[0]) / 1e9)) < 1e-9
-
+    ears.wait_for(drives, 'the robot drives')
+    machines.pull(a)
     ears.wait_for(stopped, 'the base stops')
     machines.plug(a)
     ears.wait_for(goes_on, 'the base goes on')

@@ -63,20 +63,11 @@ def test_a_wall_clock_that_is_stepped_by_an_hour_stalls_nothing_and_moves_nothin
 
         graph.wait_for(there, f'x {end}')
 
-    def rest():
-        """Wait until the wheels have stopped by themselves, and the base has heard of it."""
-        graph.wait_for(lambda: not any([*rates[-1].velocity, *noisy[-1].velocity]), 'the stop')
-        stopped = stamp_ns(noisy[-1])
-        graph.wait_for(lambda: stamp_ns(odometry[-1]) > stopped, 'odometry from after the stop')
-        heard = len(odometry)  # the first may be from before the base has looked into its queue
-        graph.wait_for(lambda: odometry[-1].twist.twist.linear.x == 0.0
-                       and len(odometry) > heard + 5, 'the robot to stand')
-
     driven(SPEED, 0.1)
     clock.step(step_s)
     driven(SPEED, 0.2)
     driven(-SPEED, -0.1)
-    rest()
+    graph.wait_for_rest([rates, noisy], [odometry])
     stop = next(message for message in reversed(rates) if any(message.velocity))
     on_that_clock = sent_ns + clock.offset_s * 10**9
     assert abs(stamp_ns(stop) - on_that_clock) < DEADLINE_S * 1e9
@@ -87,7 +78,7 @@ def test_a_wall_clock_that_is_stepped_by_an_hour_stalls_nothing_and_moves_nothin
     graph.wait_for(lambda: len(odometry) > heard + 50, 'odometry at rest')
     assert x_of(odometry) == resting
     driven(SPEED, 0.1)
-    rest()
+    graph.wait_for_rest([rates, noisy], [odometry])
 
     assert hours_stepped(odometry) == [step_s // HOUR_S, -step_s // HOUR_S]
     furthest = max(abs(message.pose.pose.position.x) for message in odometry)

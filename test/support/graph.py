@@ -152,18 +152,50 @@ class Graph:
         return '\n'.join(f'--- {process.name}\n{process.output}' for process in self.processes)
 
     def collect(self, message_type, topic, handle=None):
-        """Return a list to which every message of a topic is added."""
+        """
+        Return a list to which every message of a topic is added.
+
+        Its publisher may find this reader seconds after it has found another one, and what it
+        says until then is lost here: only a first message shows that the next will be heard.
+        """
         messages = []
         self.node.create_subscription(message_type, topic, handle or messages.append, DEEP)
         return messages
 
     def publisher(self, message_type, topic, listeners=1):
-        """Return a publisher that is heard already."""
+        """Return a publisher that so many listeners hear, or will: nothing is lost to them."""
         publisher = self.node.create_publisher(message_type, topic, DEEP)
         if listeners:
             self.wait_for(lambda: publisher.get_subscription_count() >= listeners,
                           f'{listeners} subscribers of {topic}')
         return publisher
+
+    def wait_for_rest(self, wheels, odometry, wait_for=None):
+        """
+        Wait until all wheels were told to stand, and all odometry knows of it.
+
+        Parameters
+        ----------
+        wheels, odometry : list of list
+            What was collected of JointState and of Odometry.
+        wait_for : callable, optional
+            What waits meanwhile, where time is simulated.
+
+        """
+        wait_for = wait_for or self.wait_for
+
+        def at_rest():
+            return all(heard and not any(heard[-1].velocity) for heard in wheels)
+
+        wait_for(at_rest, 'the wheels to stand')
+        stopped = max(stamp_ns(heard[-1]) for heard in wheels)
+        wait_for(lambda: at_rest() and all(
+            heard and stamp_ns(heard[-1]) > stopped for heard in (*wheels, *odometry)),
+            'words from after the stop')
+        known = [len(heard) + 5 for heard in odometry]  # by then all that had come has been read
+        wait_for(lambda: all(
+            len(heard) > count and heard[-1].twist.twist.linear.x == 0.0
+            for heard, count in zip(odometry, known)), 'odometry at rest')
 
     def play_out(self, sim, go):
         """Let the sequence go that waits for a topic, and wait until its process has ended."""
