@@ -29,8 +29,6 @@ from diffdrive_kinematics.tools.bags import Bag, BagMessage, BagTopic, message_o
 from diffdrive_kinematics.tools.collection import Collection
 from diffdrive_kinematics.tools.recordings import nobody
 
-__all__ = ['COMMANDS', 'Read', 'TWISTS', 'Times', 'add_bag', 'read_topics', 'topic_of', 'twist_of']
-
 COMMANDS = 'commands'
 PROGRESS_MESSAGES = 4096
 STAMP = slice(4, 12)  # of a serialised message that begins with a header

@@ -31,8 +31,6 @@ from diffdrive_kinematics.tools.output_files import (
 from rclpy.publisher import Publisher
 from rclpy.serialization import serialize_message
 
-__all__ = ['BagRecorder']
-
 NOT_OURS = ('/rosout', '/parameter_events')
 
 

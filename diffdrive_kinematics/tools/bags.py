@@ -28,8 +28,6 @@ from typing import Any, Dict, Iterator, List, NamedTuple, Sequence, Tuple
 
 from rclpy.serialization import deserialize_message
 
-__all__ = ['Bag', 'BagMessage', 'BagTopic', 'MISSING', 'is_bag', 'message_of', 'open_bag']
-
 SUFFIXES = ('.mcap', '.db3')
 MISSING = (
     "bags need rosbags, which is missing: pip install '.[bags]', or, on a ROS "

@@ -31,10 +31,6 @@ from diffdrive_kinematics.tools.calibration_sessions import (
     session_parameters, session_remark, session_rows, THIS_SESSION_ONLY)
 from diffdrive_kinematics.tools.recordings import nobody
 
-__all__ = [
-    'CLOCKS', 'Calibration', 'Gain', 'MULTIPLIERS', 'Row', 'of_drives', 'of_squares',
-    'slip_rows', 'table']
-
 CLOCKS = {'none': Clock.NONE, 'delay': Clock.DELAY, 'offsets': Clock.OFFSETS,
           'drifts': Clock.DRIFTS, 'auto': Clock.AUTO}
 MULTIPLIERS = (

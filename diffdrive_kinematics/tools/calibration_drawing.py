@@ -25,8 +25,6 @@ from diffdrive_kinematics.tools.drawing import file_of, in_plan, new_figure
 from diffdrive_kinematics.tools.response_drawing import draw_response
 import numpy as np
 
-__all__ = ['picture_of', 'way_by_odometry']
-
 BEFORE, AFTER = '#cc3311', '#4477aa'
 WINDOW_S, EVERY_S, TOLERANCE_S = 10.0, 1.0, 0.1
 

@@ -20,8 +20,6 @@ from diffdrive_kinematics.tools.calibration import Calibration, MULTIPLIERS
 from diffdrive_kinematics.tools.calibration_remarks import NO_SLIP_M
 from diffdrive_kinematics.tools.drawing import MISSING
 
-__all__ = ['params_text', 'rendered']
-
 HEAD = """\
 # Written by calibrate ({method}: {remark}).
 #

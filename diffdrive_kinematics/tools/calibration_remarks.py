@@ -22,10 +22,6 @@ from diffdrive_kinematics.core.calibration import (
 from diffdrive_kinematics.core.kinematics import WheelGeometry
 import numpy as np
 
-__all__ = [
-    'NO_SLIP_M', 'KNOWN_BY_DRIVES', 'KNOWN_BY_RATIO', 'clock_remark', 'course_remarks',
-    'frame_remark', 'frozen_remark', 'slip_remark', 'square_remarks']
-
 KNOWN_BY_DRIVES = 'known from the drives: both radii and the separation'
 KNOWN_BY_RATIO = (
     'known from the drives: the separation and the ratio of the radii; the mean radius is kept '

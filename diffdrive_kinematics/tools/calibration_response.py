@@ -26,8 +26,6 @@ from diffdrive_kinematics.tools.calibration import (
 from diffdrive_kinematics.tools.calibration_remarks import slip_remark
 from diffdrive_kinematics.tools.recordings import nobody
 
-__all__ = ['of_commands', 'of_recordings', 'response_parameters']
-
 UNITS = {'max_speed': 'm/s', 'max_yaw_rate': 'rad/s', 'veer': 'rad/m', 'turn_loss': 'm',
          'delay': 's'}
 

@@ -19,8 +19,6 @@ from typing import Dict, List, Optional, Tuple
 from diffdrive_kinematics.core.calibration import SessionFit
 from diffdrive_kinematics.core.noise import check_session_fraction
 
-__all__ = ['THIS_SESSION_ONLY', 'session_parameters', 'session_remark', 'session_rows']
-
 THIS_SESSION_ONLY = (
     'the standard errors hold for this session only: to find what differs between sessions, give '
     'three or more drives of which each is enough for the wheels, best of different days')

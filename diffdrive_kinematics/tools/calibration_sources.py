@@ -28,8 +28,6 @@ from diffdrive_kinematics.tools.recordings import (
     check_columns, COMMAND_COLUMNS, Header, nobody, read_chosen, read_columns)
 import numpy as np
 
-__all__ = ['Drives', 'MOTIONS', 'read_drives']
-
 REFERENCE_COLUMNS = ('time_sec', 'x', 'y', 'yaw')
 MOTIONS: Dict[str, Tuple[str, ...]] = {
     COMMANDS: COMMAND_COLUMNS,

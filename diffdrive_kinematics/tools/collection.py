@@ -26,8 +26,6 @@ from diffdrive_kinematics.ros.messages.messages import nanoseconds, pose_in_plan
 from geometry_msgs.msg import Pose as PoseMessage
 import numpy as np
 
-__all__ = ['Collection']
-
 NEW_RUN_NS = 1_000_000_000
 """Fall of the stamps of wheel motion from which it counts as another run."""
 

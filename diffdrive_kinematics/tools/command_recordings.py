@@ -22,8 +22,6 @@ from diffdrive_kinematics.tools.plausible import check_commands, check_stamps
 from diffdrive_kinematics.tools.recordings import COMMAND_COLUMNS, read_columns
 import numpy as np
 
-__all__ = ['read_commands']
-
 
 def read_commands(path: str, topic: str) -> List[Tuple[float, float, float]]:
     """

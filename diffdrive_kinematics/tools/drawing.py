@@ -22,9 +22,6 @@ from diffdrive_kinematics.core.noise import PoseCovariance
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = [
-    'MISSING', 'Picture', 'along_arcs', 'drawn', 'ellipse', 'file_of', 'in_plan', 'new_figure']
-
 MISSING = "matplotlib, which is missing: pip install '.[plot]' or apt install python3-matplotlib"
 """What a picture needs, where :func:`new_figure` finds it not."""
 

@@ -20,8 +20,6 @@ from typing import Dict, List, Tuple
 from diffdrive_kinematics.core.kinematics import Pose, wrap_angle
 from diffdrive_kinematics.tools.robots import Robot
 
-__all__ = ['drift', 'drift_table', 'pose_line', 'progress_line']
-
 
 def drift(belief: Pose, truth: Pose) -> Tuple[float, float]:
     """Return the distance [m] and the wrapped heading [rad] from belief to truth."""

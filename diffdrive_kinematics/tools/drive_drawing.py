@@ -25,8 +25,6 @@ from diffdrive_kinematics.tools.output_files import beside, check_writable, free
 from diffdrive_kinematics.tools.robots import Moment
 import numpy as np
 
-__all__ = ['DrivePicture']
-
 BELIEF, TRUTH, ELLIPSE = '#4477aa', 'black', '#cc3311'
 MOVED_M = 1e-3
 """A point is drawn where the robot has moved by this much [m] since the one before."""

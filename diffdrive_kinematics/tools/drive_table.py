@@ -20,8 +20,6 @@ from diffdrive_kinematics.tools.growing_file import GrowingFile
 from diffdrive_kinematics.tools.output_files import beside
 from diffdrive_kinematics.tools.robots import Moment
 
-__all__ = ['DriveTable']
-
 COLUMNS = (
     'time_sec', 'left_position', 'right_position', 'linear_x', 'angular_z', 'belief_x',
     'belief_y', 'belief_yaw')

@@ -20,8 +20,6 @@ from typing import TextIO
 
 from diffdrive_kinematics.tools.output_files import check_writable, free_path, place, write_beside
 
-__all__ = ['GrowingFile']
-
 
 class GrowingFile:
     """

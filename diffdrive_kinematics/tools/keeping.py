@@ -24,8 +24,6 @@ from diffdrive_kinematics.tools.robots import Moment
 from diffdrive_kinematics.tools.square_notes import SquareNotes, Squares
 from rclpy.publisher import Publisher
 
-__all__ = ['Keeping']
-
 PERIOD_NS = 20_000_000
 
 

@@ -28,8 +28,6 @@ import time
 import tty
 from typing import List, NamedTuple
 
-__all__ = ['Key', 'Keyboard', 'keys_in']
-
 ASK = b'\x1b[?u\x1b[c'  # for the protocol, and for what every terminal answers
 BEGIN, END = b'\x1b[>11u', b'\x1b[<u'  # all keys as escape codes, with events
 ANSWER_S = 0.5

@@ -25,8 +25,6 @@ from diffdrive_kinematics.core.models import (
 from diffdrive_kinematics.tools.drawing import Picture
 import numpy as np
 
-__all__ = ['ModelConfig', 'model_config', 'model_pictures']
-
 Values = Mapping[str, Any]
 
 POINTS = 24

@@ -30,9 +30,6 @@ import secrets
 import stat
 from typing import Dict, Mapping, Tuple
 
-__all__ = [
-    'beside', 'check_writable', 'free_path', 'part_of', 'place', 'write_beside', 'write_files']
-
 SHOWN = 40  # characters: names of files end at 255 bytes
 
 

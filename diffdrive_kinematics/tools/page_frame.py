@@ -24,8 +24,6 @@ from geometry_msgs.msg import PolygonStamped, PoseArray
 from nav_msgs.msg import Odometry
 import numpy as np
 
-__all__ = ['PageFrame', 'check_numbers']
-
 THIN = 0.05  # of the wheel separation: how far apart the points of a trail are
 LONGEST = 5000  # points of a trail
 NEAR_NS = 500_000_000  # between truth and belief

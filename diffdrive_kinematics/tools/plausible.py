@@ -27,8 +27,6 @@ from diffdrive_kinematics.core.kinematics import Array, WheelGeometry
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ['check_commands', 'check_stamps', 'check_units']
-
 STAMPS = (('nanoseconds', 1e9), ('microseconds', 1e6), ('milliseconds', 1e3))
 NO_STAMP_S = 1e11
 """No time [s] since an epoch of anybody, and in milliseconds since 1970 one of 1973."""

@@ -20,8 +20,6 @@ import sys
 import time
 from typing import Callable, Optional, TextIO
 
-__all__ = ['LiveLine', 'Progress']
-
 PERIOD_S = 0.2
 
 

@@ -26,8 +26,6 @@ import zlib
 from diffdrive_kinematics.core.kinematics import Array
 import numpy as np
 
-__all__ = ['COMMAND_COLUMNS', 'Header', 'check_columns', 'nobody', 'read_chosen', 'read_columns']
-
 COMMAND_COLUMNS = ('time_sec', 'linear_x', 'angular_z')
 PROGRESS_ROWS = 4096
 

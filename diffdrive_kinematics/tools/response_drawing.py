@@ -21,8 +21,6 @@ from diffdrive_kinematics.core.calibration import (
 from diffdrive_kinematics.core.kinematics import WheelGeometry
 import numpy as np
 
-__all__ = ['draw_response']
-
 MEASURED, MAP = '#cc3311', '#4477aa'
 SECONDS, LEAST_SPEED = 1.0, 0.2  # of a point, and of the largest speed, from which one is drawn
 

@@ -20,9 +20,6 @@ from diffdrive_kinematics.core.kinematics import Pose, WheelGeometry
 from diffdrive_kinematics.core.noise import PoseCovariance
 from diffdrive_kinematics.core.odometry import BaseState
 
-__all__ = ['Moment', 'Robot', 'moments_of', 'robots_of']
-
-
 Bases = Sequence[Tuple[Any, bool]]
 """Nodes that are a SimulatedBase, and whether each is fed with the wheels as they really turn."""
 

@@ -17,8 +17,6 @@
 from typing import Any
 from urllib.parse import urlsplit
 
-__all__ = ['LOOPBACK', 'SameOrigin']
-
 LOOPBACK = ('127.0.0.1', 'localhost', '::1')
 
 

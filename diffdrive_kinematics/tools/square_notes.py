@@ -27,8 +27,6 @@ from diffdrive_kinematics.tools.robots import Moment
 from diffdrive_kinematics.tools.square_rows import (
     read_square_runs, SETTING_COLUMNS, settings_of, SQUARE_COLUMNS)
 
-__all__ = ['SquareNotes', 'Squares', 'calibration_of_runs', 'square_calibration']
-
 HEADER = ','.join([*SQUARE_COLUMNS, *SETTING_COLUMNS])
 
 

@@ -21,8 +21,6 @@ from diffdrive_kinematics.core.calibration import ReturnError
 from diffdrive_kinematics.core.kinematics import WheelGeometry
 from diffdrive_kinematics.tools.recordings import check_columns, Header, read_chosen
 
-__all__ = ['SETTING_COLUMNS', 'SQUARE_COLUMNS', 'read_square_runs', 'settings_of']
-
 SQUARE_COLUMNS = ('clockwise', 'true_x', 'true_y', 'odom_x', 'odom_y')
 SETTING_COLUMNS = (
     'square_side', 'square_corner_radius', 'left_radius', 'right_radius', 'separation')

@@ -36,8 +36,6 @@ from fastapi import FastAPI, WebSocket, WebSocketDisconnect
 from nicegui import binding, ui
 import uvicorn
 
-__all__ = ['Action', 'Slider', 'WebPage']
-
 HERE = Path(__file__).parent
 START_S = 10.0
 REST_S = 0.5  # after which a slider is not being moved any more

@@ -25,8 +25,6 @@ from diffdrive_kinematics.ros.messages.codec import CommandReader
 from diffdrive_kinematics.ros.runtime.rclpy_private import taker_of
 from rclpy.subscription import Subscription
 
-__all__ = ['Backlog', 'CommandIntake', 'LATE_NS']
-
 LATE_NS = 50_000_000  # up to which the age of a command is that of its way here
 BEFORE_ALL_NS = -2**63
 REPORT_PERIOD_S = 1.0

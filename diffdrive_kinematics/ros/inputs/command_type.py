@@ -18,8 +18,6 @@ from typing import Any, Mapping
 
 from geometry_msgs.msg import Twist, TwistStamped
 
-__all__ = ['CommandType']
-
 LOOK_PERIOD_NS = 2_000_000_000
 
 

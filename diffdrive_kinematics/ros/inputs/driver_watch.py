@@ -20,8 +20,6 @@ from typing import Any, Dict, List, Optional
 from diffdrive_kinematics.core.odometry import Mismatch, Odometry
 from diffdrive_kinematics.ros.runtime.diagnostics import Problem, WARN
 
-__all__ = ['DriverWatch', 'clock_text', 'velocity_text']
-
 ALIKE = 1.1  # a factor within a tenth of a known one is that
 UNITS = {'rpm': 30.0 / math.pi, 'deg/s': 180.0 / math.pi, 'turns/s': 0.5 / math.pi}
 NOTHING = 0.02  # of what the positions say

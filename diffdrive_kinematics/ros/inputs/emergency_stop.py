@@ -20,8 +20,6 @@ from diffdrive_kinematics.ros.runtime.diagnostics import ERROR, Problem
 from std_msgs.msg import Bool
 from std_srvs.srv import Trigger
 
-__all__ = ['EmergencyStop']
-
 REPORT_PERIOD_S = 5.0
 
 

@@ -20,8 +20,6 @@ from diffdrive_kinematics.core.odometry import SenderClock
 from diffdrive_kinematics.ros.runtime.diagnostics import Problem, WARN
 from diffdrive_kinematics.ros.runtime.node import DiffDriveNode
 
-__all__ = ['StampWatch']
-
 TOLERANCE_NS = 1_000_000_000  # far from what clocks that agree differ by, latency included
 
 

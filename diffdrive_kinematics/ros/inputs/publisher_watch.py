@@ -20,8 +20,6 @@ from diffdrive_kinematics.ros.runtime.alone import name_of, UNNAMED
 from diffdrive_kinematics.ros.runtime.diagnostics import Problem, WARN
 from rclpy.subscription import Subscription
 
-__all__ = ['LOOK_RATE', 'PublisherNames', 'PublisherWatch']
-
 LOOK_RATE = 1.0  # [Hz]; a look takes a microsecond where nothing has changed
 PATIENCE = 5  # looks for a name that has not come yet
 

@@ -21,8 +21,6 @@ from typing import Any, Callable, Dict, Sequence
 from rcl_interfaces.srv import GetParameters, SetParameters
 from rclpy.parameter import Parameter
 
-__all__ = ['RemoteParameters']
-
 ANSWER_S = 1.0  # after which it is asked again: answers are lost while DDS finds its ends
 
 

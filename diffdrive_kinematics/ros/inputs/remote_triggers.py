@@ -18,8 +18,6 @@ from typing import Any, Callable, Mapping, Sequence
 
 from std_srvs.srv import Trigger
 
-__all__ = ['RemoteTriggers']
-
 
 class RemoteTriggers:
     """

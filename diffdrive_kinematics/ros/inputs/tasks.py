@@ -19,8 +19,6 @@ from typing import List, NamedTuple, Sequence, Union
 from diffdrive_kinematics.core.commands import Waypoints
 from diffdrive_kinematics.core.kinematics import check_finite, Pose
 
-__all__ = ['Seen', 'Task', 'goals_from']
-
 
 class Task(NamedTuple):
     """Where to go, in a frame; an empty one is that of the odometry."""

@@ -20,8 +20,6 @@ from diffdrive_kinematics.ros.inputs.publisher_watch import LOOK_RATE, Publisher
 from diffdrive_kinematics.ros.messages.wheel_messages import WheelReader
 from diffdrive_kinematics.ros.runtime.diagnostics import Problem, WARN
 
-__all__ = ['WheelWatch']
-
 MOST_APART_NS = 250_000_000  # of the delays of joints whose clocks agree
 GRACE_NS = 1_000_000_000  # for messages with the other joints
 REMEDY = (

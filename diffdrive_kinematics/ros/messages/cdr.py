@@ -30,8 +30,6 @@ from typing import Any, Sequence
 
 from diffdrive_kinematics.core.kinematics import NANOSECONDS
 
-__all__ = ['HEADER', 'Layout', 'STAMP_AT', 'Template', 'stamped_sequence', 'write_stamp']
-
 HEADER = bytes((0, sys.byteorder == 'little', 0, 0))
 STAMP_AT = len(HEADER)
 write_stamp = struct.Struct('=iI').pack_into

@@ -22,10 +22,6 @@ from diffdrive_kinematics.core.kinematics import NANOSECONDS, Pose
 from diffdrive_kinematics.core.noise import planar_covariance, planar_pose, PoseCovariance
 from geometry_msgs.msg import Pose as PoseMessage, PoseWithCovarianceStamped
 
-__all__ = [
-    'check_stamp', 'check_time', 'given_pose', 'nanoseconds', 'pose_in_plane', 'quaternion_of',
-    'set_stamp']
-
 LAST_SECOND = 2**31 - 1
 
 

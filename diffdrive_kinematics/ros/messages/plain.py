@@ -33,10 +33,6 @@ from rclpy.serialization import deserialize_message
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64MultiArray, Header
 
-__all__ = [
-    'JointStateCodec', 'JointValues', 'OdometryCodec', 'StampedTwist', 'TransformCodec',
-    'TwistCodec', 'WheelCommandCodec', 'header_of', 'pose_message']
-
 POSE_BLOCK = (0, 1, 5, 6, 7, 11, 30, 31, 35)
 TWIST_BLOCK = (0, 5, 30, 35)
 

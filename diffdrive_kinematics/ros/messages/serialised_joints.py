@@ -25,8 +25,6 @@ from diffdrive_kinematics.ros.messages.plain import JointValues
 from rclpy.serialization import deserialize_message
 from sensor_msgs.msg import JointState
 
-__all__ = ['JointStateCodec', 'JointStateShape']
-
 EncoderOfTwo = Callable[[int, float, float, float, float], bytes]
 MOST_SHAPES = 16
 AFTER_STAMP = 3  # values: those of the header of four bytes, of sec and of nanosec

@@ -28,8 +28,6 @@ import numpy as np
 from numpy.typing import NDArray
 from std_msgs.msg import Header
 
-__all__ = ['PathCodec', 'encode_polygon', 'encode_poses']
-
 
 class PathCodec:
     """

@@ -29,8 +29,6 @@ from geometry_msgs.msg import TransformStamped
 from nav_msgs.msg import Path
 from rclpy.utilities import get_rmw_implementation_identifier
 
-__all__ = ['tf_message_type']
-
 NAME, HASH_VERSION = b'TFMessage', b'\x01'
 HASH = bytes.fromhex('e369d0f05a23ae52508854b66f6aa0437f3449d652e8cbf22d5abe85d020f087')
 MADE_FOR = 'rmw_fastrtps_cpp'

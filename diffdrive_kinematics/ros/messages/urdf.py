@@ -27,8 +27,6 @@ from xml.etree import ElementTree
 from diffdrive_kinematics.core.kinematics import WheelGeometry
 from diffdrive_kinematics.ros.messages.wheel_joints import WheelJoints
 
-__all__ = ['Shape', 'default_wheel_base', 'urdf_of']
-
 GAP = 2.5  # wheels of a side and the ends of the body, in radii
 UPRIGHT = '1.5707963267948966 0 0'  # the axis of a cylinder is z, that of a wheel y
 BODY, TYRE, SPOKE = '0.2 0.4 0.8 1', '0.1 0.1 0.1 1', '0.9 0.9 0.9 1'

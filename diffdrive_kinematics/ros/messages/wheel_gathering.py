@@ -22,8 +22,6 @@ from diffdrive_kinematics.core.odometry import (
     Assembly, JointMessage, JointReading, mean_of, PositionTrack, SideTrack, Sources, WheelPair)
 from diffdrive_kinematics.ros.messages.wheel_joints import WheelJoints
 
-__all__ = ['Gathered', 'Gathering']
-
 LONGEST_HELD = 1.0  # [s]; rates are not summed up over longer gaps
 
 

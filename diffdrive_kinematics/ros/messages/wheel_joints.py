@@ -19,8 +19,6 @@ from typing import Any, Mapping, Tuple
 
 from diffdrive_kinematics.core.odometry import WheelPair
 
-__all__ = ['WheelJoints', 'wheel_joints']
-
 Names = Tuple[str, ...]
 
 

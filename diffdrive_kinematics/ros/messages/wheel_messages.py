@@ -26,8 +26,6 @@ from diffdrive_kinematics.ros.messages.wheel_joints import WheelJoints
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64MultiArray
 
-__all__ = ['WheelCommandWriter', 'WheelReader', 'WheelWriter']
-
 NOBODY = -1
 Places = Tuple[int, ...]
 

@@ -17,8 +17,6 @@
 from contextlib import contextmanager
 from typing import Iterator
 
-__all__ = ['ConfigurationError', 'refusing']
-
 
 class ConfigurationError(Exception):
     """Parameters with which a node refuses to start; the text says what to set."""

@@ -22,8 +22,6 @@ from diffdrive_kinematics.ros.parameters.parameter_spec import Kind, ParameterSp
 from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor
 from rcl_interfaces.srv import DescribeParameters
 
-__all__ = ['descriptor_of', 'range_of', 'with_ranges']
-
 IMPOSSIBLE = {Kind.DOUBLE: -math.inf, Kind.INTEGER: -2**62, Kind.STRING: '~ ', Kind.STRINGS: (),
               Kind.DOUBLES: (-math.inf,)}
 

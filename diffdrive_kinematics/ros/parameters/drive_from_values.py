@@ -26,8 +26,6 @@ from diffdrive_kinematics.core.commands import AxisLimits, CommandResponse, Driv
 from diffdrive_kinematics.ros.parameters.from_values import wheel_geometry
 from diffdrive_kinematics.ros.parameters.tables import LIMITS, SWITCHES
 
-__all__ = ['axis_limits', 'command_response', 'drive_settings']
-
 Values = Mapping[str, Any]
 
 

@@ -19,10 +19,6 @@ from typing import Any, List, Mapping, Sequence, Tuple
 from diffdrive_kinematics.core.kinematics import Command, WheelGeometry
 from diffdrive_kinematics.core.noise import BodySlip, SessionSpread, WheelSlip
 
-__all__ = [
-    'body_slip', 'check_sides', 'check_wiring', 'commands_from', 'session_spread',
-    'wheel_geometry', 'wheel_radii', 'wheel_slips']
-
 Values = Mapping[str, Any]
 
 

@@ -17,8 +17,6 @@
 from dataclasses import dataclass
 from typing import Collection, Sequence, Tuple
 
-__all__ = ['Member', 'members_of']
-
 
 @dataclass(frozen=True)
 class Member:

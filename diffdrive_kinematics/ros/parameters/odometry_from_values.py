@@ -23,8 +23,6 @@ from diffdrive_kinematics.core.odometry import MeasuredWheels, Odometry, RateWin
 from diffdrive_kinematics.ros.parameters.from_values import body_slip, session_spread
 import numpy as np
 
-__all__ = ['check_frames', 'configured_odometry', 'initial_odometry', 'initial_pose']
-
 
 def check_frames(values: Mapping[str, Any]) -> None:
     """Raise ``ValueError`` where a frame would have two parents, or itself as its parent."""

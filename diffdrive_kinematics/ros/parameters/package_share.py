@@ -17,8 +17,6 @@
 from pathlib import Path
 from typing import List
 
-__all__ = ['resolved', 'share_directory', 'with_params_file']
-
 PACKAGE = 'diffdrive_kinematics'
 SCHEME = 'package://'
 

@@ -23,16 +23,6 @@ from diffdrive_kinematics.core.kinematics import (
 from rclpy.exceptions import InvalidTopicNameException
 from rclpy.validate_topic_name import validate_topic_name
 
-__all__ = [
-    'Check', 'Within', 'check_bias', 'check_count', 'check_delay', 'check_description',
-    'check_diagonal', 'check_frame', 'check_gear_ratio', 'check_horizon', 'check_joint_names',
-    'check_named', 'check_non_negative_or_nan', 'check_offset', 'check_one_of',
-    'check_optional_picture', 'check_optional_seed', 'check_optional_topic', 'check_picture',
-    'check_port', 'check_pose', 'check_positive_or_nan', 'check_prefix',
-    'check_radius_multiplier', 'check_range', 'check_rate_or_off', 'check_recording',
-    'check_resolution', 'check_rounds', 'check_seed', 'check_slip', 'check_stages', 'check_step',
-    'check_topic', 'check_update_rate', 'check_window']
-
 Check = Callable[[str, Any], Any]
 MOST_OFFSET = 1e9  # [s]
 MOST_INTEGER = 2**63 - 1

@@ -23,8 +23,6 @@ from typing import Any, Optional
 from diffdrive_kinematics.ros.parameters.parameter_checks import (
     Check, check_optional_topic, check_topic)
 
-__all__ = ['Kind', 'ParameterSpec', 'file', 'fixed', 'settable', 'topic']
-
 
 class Kind(enum.Enum):
     """Type of a parameter, in words for its user."""

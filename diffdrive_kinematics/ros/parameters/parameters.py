@@ -35,8 +35,6 @@ from rcl_interfaces.msg import SetParametersResult
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
-__all__ = ['ConfigurationError', 'ParameterSet', 'coerce']
-
 Config = TypeVar('Config')
 NOT_FINITE = ('nan', '.nan', 'inf', '.inf', '-inf', '-.inf')
 MISSING = ' is not set'

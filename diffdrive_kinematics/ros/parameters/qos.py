@@ -28,10 +28,6 @@ from rclpy.qos import (
     ReliabilityPolicy)
 from rclpy.qos_overriding_options import QoSOverridingOptions
 
-__all__ = [
-    'Override', 'PREFIX', 'POLICIES', 'best_effort', 'check_delivery', 'latched', 'overrides_from',
-    'overriding_options', 'reliable']
-
 PREFIX = 'qos_overrides.'
 ENDS = ('publisher', 'subscription')
 MOST_DEPTH = 1_000_000

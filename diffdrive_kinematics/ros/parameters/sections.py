@@ -27,8 +27,6 @@ from typing import (
 from diffdrive_kinematics.ros.parameters.parameter_spec import ParameterSpec
 from diffdrive_kinematics.ros.parameters.tables import KNOWN_NAMES, TABLES
 
-__all__ = ['Section', 'doubts', 'matches', 'misplaced', 'params_files', 'sections_of', 'shadowed']
-
 PARAMETERS = 'ros__parameters'
 ALIKE = 0.9  # of difflib: one letter of ten
 

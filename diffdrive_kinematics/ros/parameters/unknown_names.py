@@ -19,8 +19,6 @@ import weakref
 from diffdrive_kinematics.ros.parameters.qos import PREFIX as QOS_PREFIX
 from diffdrive_kinematics.ros.parameters.tables import KNOWN_NAMES
 
-__all__ = ['ALIASES', 'aliased', 'report_unknown']
-
 BUILT_IN = ('use_sim_time', 'start_type_description_service')
 ALIASES = {'use_stamped_vel': 'enable_stamped_cmd_vel', 'publish_cmd': 'publish_limited_velocity'}
 """Older names of ros2_controllers' parameters, which are obeyed."""

@@ -45,8 +45,6 @@ from diffdrive_kinematics.ros.runtime.polling import Poll, QUEUE_DEPTH
 from diffdrive_kinematics.ros.runtime.rclpy_private import hand_on, NUMBER, RECEIVED
 from rclpy.publisher import Publisher
 
-__all__ = ['LeanBase']
-
 
 class LeanBase:
     """

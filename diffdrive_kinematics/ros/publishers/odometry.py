@@ -26,8 +26,6 @@ from diffdrive_kinematics.ros.publishers.tf import frame_prefix, TransformPublis
 from diffdrive_kinematics.ros.runtime.node import DiffDriveNode
 from nav_msgs.msg import Odometry
 
-__all__ = ['BeliefCorrection', 'OdometryPublisher']
-
 
 class OdometryPublisher:
     """

@@ -21,8 +21,6 @@ from diffdrive_kinematics.ros.messages.codec import PathCodec
 from diffdrive_kinematics.ros.runtime.node import DiffDriveNode
 from nav_msgs.msg import Path
 
-__all__ = ['PathPublisher']
-
 
 class PathPublisher:
     """

@@ -22,8 +22,6 @@ from diffdrive_kinematics.ros.messages.tf_message_type import tf_message_type
 from diffdrive_kinematics.ros.runtime.node import DiffDriveNode
 from diffdrive_kinematics.ros.runtime.rclpy_private import given_overrides
 
-__all__ = ['TransformPublisher', 'frame_prefix', 'transforms']
-
 
 def frame_prefix(values: Mapping[str, Any], namespace: str) -> str:
     """

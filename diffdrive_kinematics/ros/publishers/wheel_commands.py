@@ -26,8 +26,6 @@ from rclpy.publisher import Publisher
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64MultiArray
 
-__all__ = ['WheelCommandPublisher']
-
 
 class WheelCommandPublisher:
     """

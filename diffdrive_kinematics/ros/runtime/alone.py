@@ -22,8 +22,6 @@ from diffdrive_kinematics.ros.runtime.output import complain
 from rclpy.node import Node
 from rclpy.topic_endpoint_info import TopicEndpointInfo
 
-__all__ = ['Disturbed', 'UNNAMED', 'check_alone', 'keep_to_this_machine', 'name_of']
-
 POLL_S = 0.01
 UNNAMED = 'a node without a name'
 RANGE = 'ROS_AUTOMATIC_DISCOVERY_RANGE'

@@ -29,8 +29,6 @@ import time
 
 from rclpy.executors import Executor
 
-__all__ = ['ClockStepGuard', 'waits_on_wall_clock']
-
 WAITING_LIBRARIES = re.compile(r'/[^/]*(rmw|_rclpy)[^/]*\.so[^/]*$')
 ON_WALL_CLOCK, ON_STEADY_CLOCK = b'pthread_cond_timedwait', b'pthread_cond_clockwait'
 

@@ -30,9 +30,6 @@ from rclpy.clock_type import ClockType
 from rclpy.time import Time
 from rclpy.time_source import TimeSource
 
-__all__ = [
-    'NANOSECONDS', 'SteadyTimers', 'StepWatch', 'SteppedClock', 'Timer', 'Timers', 'period_ns']
-
 FORWARD_NS = NANOSECONDS  # up to which time may pass that the steady clock does not count
 BACK_NS = 5_000_000  # up to which the two are read apart
 SLEWED = 10  # a clock is slewed by a part of time, of which a second counts

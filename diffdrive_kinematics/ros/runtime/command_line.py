@@ -23,8 +23,6 @@ from diffdrive_kinematics.ros.parameters.parameter_spec import ParameterSpec
 from diffdrive_kinematics.ros.parameters.tables import TABLES
 from diffdrive_kinematics.ros.runtime.output import complain, exit_status, report
 
-__all__ = ['answer_arguments', 'example_of', 'help_of', 'refusal_of']
-
 ROS_ARGS = '--ros-args'
 HELP = '-h', '--help'
 OPTIONS = {  # of ROS, and what follows them

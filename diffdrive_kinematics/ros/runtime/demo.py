@@ -23,8 +23,6 @@ from diffdrive_kinematics.ros.runtime.alone import keep_to_this_machine
 from diffdrive_kinematics.ros.runtime.output import show
 from diffdrive_kinematics.ros.runtime.running import run, Stop
 
-__all__ = ['run_or_demo']
-
 DEMO = (
     'no params file given: running the demo (config/demo.yaml), a robot that drives a square with '
     'wheels that slip, so that its odometry drifts away from where it is')

@@ -26,10 +26,6 @@ from diffdrive_kinematics.core.odometry import Verdict
 from diffdrive_kinematics.ros.messages.messages import set_stamp
 from rclpy.publisher import Publisher
 
-__all__ = [
-    'ERROR', 'MessageStatistics', 'OK', 'Problem', 'RateSample', 'Reporter', 'Status', 'TOPIC',
-    'WARN', 'stamp_values']
-
 TOPIC = '/diagnostics'
 OK, WARN, ERROR = DiagnosticStatus.OK, DiagnosticStatus.WARN, DiagnosticStatus.ERROR
 SEVERITY = (OK, WARN, ERROR)  # STALE is the aggregator's word for who does not report

@@ -25,8 +25,6 @@ from rclpy.publisher import Publisher
 from rclpy.qos import QoSProfile
 from rclpy.subscription import Subscription
 
-__all__ = ['Endpoints', 'QUEUE_DEPTH']
-
 QUEUE_DEPTH = 10
 
 

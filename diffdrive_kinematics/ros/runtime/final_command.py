@@ -29,8 +29,6 @@ from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rclpy.qos import HistoryPolicy, ReliabilityPolicy
 
-__all__ = ['HEARTBEAT_S', 'repeat_until_acknowledged']
-
 HEARTBEAT_S = 3.0  # the longest that DDS waits before it asks for acknowledgement
 PERIOD_S = 0.02
 BEST_EFFORT_SENDS = 3  # how often it is sent where nobody acknowledges

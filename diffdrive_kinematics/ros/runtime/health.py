@@ -20,8 +20,6 @@ from diagnostic_msgs.msg import DiagnosticArray
 from diffdrive_kinematics.ros.runtime.diagnostics import MessageStatistics, Reporter, Status, TOPIC
 from diffdrive_kinematics.ros.runtime.simulated_clock import ClockWatch
 
-__all__ = ['Health']
-
 HARDWARE = 'robot'  # what a node without a namespace belongs to
 
 

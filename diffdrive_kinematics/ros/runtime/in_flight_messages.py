@@ -19,8 +19,6 @@ from typing import Any, Callable, Dict, List
 
 from rclpy.publisher import Publisher
 
-__all__ = ['InFlightMessages']
-
 
 class InFlightMessages:
     """

@@ -22,8 +22,6 @@ from typing import Mapping, Sequence
 
 from diffdrive_kinematics.ros.parameters.configuration_error import ConfigurationError
 
-__all__ = ['check_log_directory', 'with_remedy']
-
 DIRECTORIES = 'ROS_LOG_DIR', 'ROS_HOME', 'HOME'
 NO_FILES = '--disable-external-lib-logs'
 REMEDY = (

@@ -37,8 +37,6 @@ from rclpy.service import Service
 from rclpy.subscription import Subscription
 from rosgraph_msgs.msg import Clock
 
-__all__ = ['DiffDriveNode']
-
 Config = TypeVar('Config')
 
 

@@ -19,8 +19,6 @@ from typing import Any, Optional
 from diffdrive_kinematics.ros.runtime.clocks import StepWatch
 from diffdrive_kinematics.ros.runtime.simulated_clock import ClockWatch
 
-__all__ = ['NodeTime']
-
 
 class NodeTime:
     """

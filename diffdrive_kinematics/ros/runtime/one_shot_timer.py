@@ -18,8 +18,6 @@ from typing import Callable, Optional
 
 from diffdrive_kinematics.ros.runtime.runtime import Runtime
 
-__all__ = ['OneShotTimer']
-
 SELDOM = 1e-6  # [Hz], the rate of a timer that is not set
 UNKNOWN_NS = -1
 

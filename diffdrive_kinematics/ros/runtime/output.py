@@ -22,8 +22,6 @@ said on stderr instead.  The exit status tells.
 import os
 import sys
 
-__all__ = ['complain', 'exit_status', 'open_stderr', 'report', 'show']
-
 LOST = 1  # exit status
 STDERR = 2
 

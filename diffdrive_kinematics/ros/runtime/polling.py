@@ -19,8 +19,6 @@ from typing import Any, Callable
 from diffdrive_kinematics.ros.runtime.rclpy_private import hand_on, MessageInfo, taker_of
 from rclpy.subscription import Subscription
 
-__all__ = ['Poll', 'QUEUE_DEPTH', 'QueuePoll']
-
 LEAST_RATE = 20.0  # [Hz]
 QUEUE_DEPTH = 100  # at LEAST_RATE: 2000 messages a second
 

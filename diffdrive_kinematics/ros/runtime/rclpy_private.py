@@ -38,12 +38,6 @@ try:
 except ImportError:
     EventsExecutor = None
 
-__all__ = [
-    'EVENTS_EXECUTOR', 'HAS_LEAN_PATH', 'MessageInfo', 'NUMBER', 'RCLError', 'RECEIVED',
-    'RMWError', 'UNKNOWN',
-    'UnknownROSArgsError', 'given_overrides', 'hand_on', 'informing', 'leave_graph', 'missing',
-    'simulation_of', 'taker_of', 'time_of']
-
 
 def _has(kind: str, *names: str) -> bool:
     return all(hasattr(getattr(rclpy_implementation, kind, None), name) for name in names)

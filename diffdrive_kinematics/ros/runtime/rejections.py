@@ -24,8 +24,6 @@ from rcl_interfaces.msg import SetParametersResult
 from rclpy.node import Node
 from rosgraph_msgs.msg import Clock
 
-__all__ = ['Rejections', 'checked_clock']
-
 REPORT_PERIOD_S = 1.0
 MOVED = Verdict.MOVED  # by far the most; an enum is slow to look up
 VERDICTS = {  # where it was seen, and what was done

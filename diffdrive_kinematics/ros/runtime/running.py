@@ -40,8 +40,6 @@ from rclpy.exceptions import NameValidationException
 from rclpy.executors import Executor, ExternalShutdownException, SingleThreadedExecutor
 from rclpy.signals import SignalHandlerOptions
 
-__all__ = ['Interrupted', 'Stop', 'finish', 'main_of', 'make_executor', 'run', 'spin', 'spin_node']
-
 SPIN_TIMEOUT_S = 0.1
 ASK_PERIOD_S = 0.1
 CONFIGURATION_ERROR = 2

@@ -37,8 +37,6 @@ from rclpy.qos import QoSProfile
 from rclpy.service import Service
 from rclpy.subscription import Subscription
 
-__all__ = ['Runtime']
-
 
 class Runtime:
     """

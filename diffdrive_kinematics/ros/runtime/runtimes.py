@@ -29,8 +29,6 @@ from rclpy.qos import QoSProfile
 from rclpy.subscription import Subscription
 from rclpy.utilities import get_rmw_implementation_identifier
 
-__all__ = ['LeanRuntime', 'SteppedRuntime', 'runtime_of']
-
 STEPPED_QUEUE_DEPTH = 1000  # other processes cannot hold up time that is stepped
 # that of Cyclone DDS in Jazzy takes the time at which a message is taken for that of its arrival
 NOTES_ARRIVAL = ('rmw_fastrtps_cpp', 'rmw_fastrtps_dynamic_cpp', 'rmw_zenoh_cpp')

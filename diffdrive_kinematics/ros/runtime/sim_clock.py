@@ -34,8 +34,6 @@ from diffdrive_kinematics.ros.runtime.running import Stop
 from rclpy.executors import Executor
 from rosgraph_msgs.msg import Clock
 
-__all__ = ['SimClockDriver']
-
 DISCOVERY_TIMEOUT_S = 10.0
 DELIVERY_TIMEOUT_S = 5.0
 POLL_S = 0.01

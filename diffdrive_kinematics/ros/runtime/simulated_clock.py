@@ -25,8 +25,6 @@ from typing import Any, Callable, Deque, List
 from diffdrive_kinematics.ros.runtime.diagnostics import Problem, WARN
 from diffdrive_kinematics.ros.runtime.runtime import Runtime
 
-__all__ = ['ClockWatch', 'LOOK_RATE', 'WAITING']
-
 LOOK_RATE = 10.0  # [Hz]
 REPORT_PERIOD_S = 5.0
 PAUSE_S = 2.0  # for which a clock may stand and be well

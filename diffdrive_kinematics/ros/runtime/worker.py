@@ -29,8 +29,6 @@ import sys
 import threading
 from typing import Any, BinaryIO, Callable, Deque, Optional, Tuple
 
-__all__ = ['InPlace', 'Worker']
-
 IDLE_S = 30.0
 RESTART_S = 1.0
 NICENESS = 10
