@@ -52,8 +52,7 @@ from diffdrive_kinematics.core.calibration.trajectory_fit import fit_trajectory
 from diffdrive_kinematics.core.calibration.trajectory_result import Residual, TrajectoryFit
 from diffdrive_kinematics.core.calibration.trajectory_windows import (
     COMMANDED, Windows, windows_between, WindowSet)
-from diffdrive_kinematics.core.calibration.umbmark import (
-    corrected, FEWEST_RUNS, umbmark)
+from diffdrive_kinematics.core.calibration.umbmark import corrected, FEWEST_RUNS, umbmark
 from diffdrive_kinematics.core.calibration.window_residuals import linearised, WindowResiduals
 from diffdrive_kinematics.core.calibration.window_weights import Variances
 

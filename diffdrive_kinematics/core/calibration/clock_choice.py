@@ -62,8 +62,7 @@ def drift_pays(ratio: Optional[float]) -> bool:
     return ratio is not None and ratio > LEAST_RATIO
 
 
-def chosen_clocks(
-        problem: Problem, solve: Callable[[Problem], Solved]) -> Tuple[Solved, Ratios]:
+def chosen_clocks(problem: Problem, solve: Callable[[Problem], Solved]) -> Tuple[Solved, Ratios]:
     """
     Return the fit in which the clock of each drive drifts if that pays.
 

@@ -141,8 +141,7 @@ def calibrated_travel(
 
     """
     radii = [geometry.left_radius * systematic.left, geometry.right_radius * systematic.right]
-    return (np.diff(drive.angles, axis=0) * radii,
-            geometry.separation * systematic.separation)
+    return np.diff(drive.angles, axis=0) * radii, geometry.separation * systematic.separation
 
 
 def path_of(travel: Array, separation: float) -> Array:
@@ -214,8 +213,7 @@ def nodes_of(
     (array([0. , 1.5]), array([0, 1]), array([0. , 0.5]), array([-1. ,  0.5]))
 
     """
-    time = (drive.reference_time - systematic.offset
-            - systematic.drift * since_middle(drive))
+    time = drive.reference_time - systematic.offset - systematic.drift * since_middle(drive)
     interval = np.clip(np.searchsorted(drive.time, time, side='right') - 1, 0, len(travel) - 1)
     period = np.diff(drive.time)[interval]
     fraction = (time - drive.time[interval]) / period

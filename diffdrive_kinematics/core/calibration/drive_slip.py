@@ -88,8 +88,7 @@ def slip_windows(
     calibrated = replace(
         geometry,
         wheel_separation_multiplier=geometry.wheel_separation_multiplier * systematic.separation)
-    stamps = (drive.reference_time - systematic.offset
-              - systematic.drift * since_middle(drive))
+    stamps = drive.reference_time - systematic.offset - systematic.drift * since_middle(drive)
     radii = np.array([geometry.left_radius * systematic.left,
                       geometry.right_radius * systematic.right])
     poses, twists = _centre(drive.reference, systematic), _twists(calibrated, drive, radii, stamps)
@@ -171,8 +170,7 @@ def fit_drive_slip(
                 mine[n * parts // len(windows)].append((window, min(every / length, 1.0)))
         groups += mine
     whole = _fitted(groups, equal, terms)
-    others = [_fitted(groups[:n] + groups[n + 1:], equal, whole.terms)
-              for n in range(len(groups))]
+    others = [_fitted(groups[:n] + groups[n + 1:], equal, whole.terms) for n in range(len(groups))]
 
     def estimate(name: str) -> Estimate:
         return _jackknifed([getattr(each, name) for each in (whole, *others)])

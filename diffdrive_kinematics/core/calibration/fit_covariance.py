@@ -96,8 +96,7 @@ def taken_by_fit(state: FitState, covariance: Array) -> Array:
     for number, part in enumerate(state.parts):
         columns, fields = state.problem.columns_of(number)
         jacobian = part.jacobian[:, :, fields]
-        found.append(jacobian @ covariance[np.ix_(columns, columns)]
-                     @ jacobian.transpose(0, 2, 1))
+        found.append(jacobian @ covariance[np.ix_(columns, columns)] @ jacobian.transpose(0, 2, 1))
     return np.concatenate(found)
 
 

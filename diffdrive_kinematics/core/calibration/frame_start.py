@@ -76,8 +76,7 @@ def frame_from_motion(
     model = np.stack([wheels, np.exp(1j * turns) - 1.0], axis=1)
     weights = np.ones(len(seen))
     for _ in range(ROUNDS):
-        (a, b), *_ = np.linalg.lstsq(
-            weights[:, None] * model, weights * seen, rcond=1e-3)
+        (a, b), *_ = np.linalg.lstsq(weights[:, None] * model, weights * seen, rcond=1e-3)
         left = np.abs(seen - model @ np.array([a, b]))
         weights = 1.0 / np.sqrt(np.maximum(left, TINY))
     if not 0.1 < abs(a) < 10.0:

@@ -29,8 +29,7 @@ from diffdrive_kinematics.core.calibration.slip_result import NOTHING, Reference
 from diffdrive_kinematics.core.calibration.slip_stack import (
     noise_covariance, slip_covariance, slip_parts, stacked_windows)
 from diffdrive_kinematics.core.calibration.slip_window import SlipWindow
-from diffdrive_kinematics.core.calibration.variance_components import (
-    Components, fit_components)
+from diffdrive_kinematics.core.calibration.variance_components import Components, fit_components
 from diffdrive_kinematics.core.calibration.window_variances import least_noise
 from diffdrive_kinematics.core.kinematics import Array
 from diffdrive_kinematics.core.noise import BodySlip, NO_BODY_SLIP
@@ -170,8 +169,7 @@ def fit_reference_noise(
 
 def _floor(stack: SlipWindow) -> Array:
     """Return the least variances of the reference; of its stamps it may be 0."""
-    least = np.maximum(
-        SHARE * least_noise(stack.error, stack.left + stack.right), FINEST)
+    least = np.maximum(SHARE * least_noise(stack.error, stack.left + stack.right), FINEST)
     return np.append(least, 0.0) if stack.time.any() else least
 
 

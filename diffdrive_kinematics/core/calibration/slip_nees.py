@@ -66,7 +66,6 @@ def nees_per_dof(
 
     """
     stack = stacked_windows(windows, fewest=1)
-    covariance = (slip_covariance(stack, k_left, k_right, body)
-                  + noise_covariance(stack, noise))
+    covariance = slip_covariance(stack, k_left, k_right, body) + noise_covariance(stack, noise)
     _, quadratic = likelihood(stack.error, covariance)
     return quadratic / 3.0

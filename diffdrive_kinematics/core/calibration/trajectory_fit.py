@@ -34,8 +34,7 @@ from typing import List, Optional, Sequence, Tuple
 from diffdrive_kinematics.core.calibration.calibration_parameters import FRAME, NAMES, WHEELS
 from diffdrive_kinematics.core.calibration.clock_choice import chosen_clocks, Ratios
 from diffdrive_kinematics.core.calibration.estimate import Estimate
-from diffdrive_kinematics.core.calibration.fit_covariance import (
-    parameter_covariance, taken_by_fit)
+from diffdrive_kinematics.core.calibration.fit_covariance import parameter_covariance, taken_by_fit
 from diffdrive_kinematics.core.calibration.fit_problem import Problem
 from diffdrive_kinematics.core.calibration.fit_setup import Clock, problem_of
 from diffdrive_kinematics.core.calibration.fit_state import FitState
@@ -48,8 +47,7 @@ from diffdrive_kinematics.core.calibration.trajectory_result import Residual, Tr
 from diffdrive_kinematics.core.calibration.trajectory_windows import Windows
 from diffdrive_kinematics.core.calibration.window_variances import (
     START_VARIANCES, updated_variances)
-from diffdrive_kinematics.core.calibration.window_weights import (
-    MEDIAN, Variances, window_weights)
+from diffdrive_kinematics.core.calibration.window_weights import MEDIAN, Variances, window_weights
 from diffdrive_kinematics.core.kinematics import Array, Pose, WheelGeometry
 import numpy as np
 
@@ -130,8 +128,7 @@ def fit_trajectory(
             f'{SAME_DRIVE}') from error
 
 
-def _fitted(
-        problem: Problem, clock: Clock, mean_radius_kept: bool, watch: Watch) -> TrajectoryFit:
+def _fitted(problem: Problem, clock: Clock, mean_radius_kept: bool, watch: Watch) -> TrajectoryFit:
     """Return the fit; ``LinAlgError`` where the numbers leave all bounds."""
     solve = partial(_solved, watch=watch)
     ratios: Ratios = (None,) * len(problem.drives)
@@ -203,8 +200,7 @@ def _with_mean_radius_kept(state: FitState) -> Tuple[FitState, Array]:
     wheels, values = state.values[at], state.values.copy()
     mean = 0.5 * (wheels[0] + wheels[1])
     change = np.eye(len(values))
-    change[np.ix_(at, at)] = (
-        np.eye(3) / mean - np.outer(wheels, [0.5, 0.5, 0.0]) / mean**2)
+    change[np.ix_(at, at)] = np.eye(3) / mean - np.outer(wheels, [0.5, 0.5, 0.0]) / mean**2
     values[at] = wheels / mean
     return replace(state, values=values, parts=state.problem.parts(values)), change
 

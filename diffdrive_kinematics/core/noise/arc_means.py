@@ -119,6 +119,5 @@ def arc_means_of_all(half: Array) -> Tuple[Array, Array, Array]:
     near = np.where(wide, 0.0, square)
     series = (half * polynomial(E_MEAN, near), near * polynomial(E_SQUARE, near),
               polynomial(SINE_SQUARE, near))
-    mean, square_mean, sine_square = (
-        np.where(wide, *forms) for forms in zip(closed, series))
+    mean, square_mean, sine_square = (np.where(wide, *forms) for forms in zip(closed, series))
     return mean, square_mean, sine_square

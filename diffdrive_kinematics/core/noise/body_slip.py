@@ -168,8 +168,7 @@ def body_noise(body: BodySlip, distance: Scalar, turn: Scalar) -> BodyNoise:
     """
     along, heading = body_variances(body, distance, turn)  # type: ignore[type-var]
     lateral = (heading * distance * distance + along * turn * turn) / 12.0
-    return BodyNoise(
-        _root(along), 0.5 * _root(heading), _root(lateral), body.distribution)
+    return BodyNoise(_root(along), 0.5 * _root(heading), _root(lateral), body.distribution)
 
 
 def _root(variance: Scalar) -> Scalar:

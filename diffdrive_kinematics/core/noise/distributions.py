@@ -82,8 +82,7 @@ def check_distribution(name: str, distribution: str) -> str:
 
     """
     if distribution not in DISTRIBUTIONS:
-        raise ValueError(
-            f"{name} is {distribution!r}, expected one of {', '.join(DISTRIBUTIONS)}")
+        raise ValueError(f"{name} is {distribution!r}, expected one of {', '.join(DISTRIBUTIONS)}")
     return distribution
 
 

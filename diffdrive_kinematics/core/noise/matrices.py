@@ -78,8 +78,7 @@ def pose_jacobians(x: Array, y: Array) -> Array:
     return matrix
 
 
-def gathered(
-        added: Tuple[Array, ...], cosine: Array, sine: Array, x: Array, y: Array) -> Array:
+def gathered(added: Tuple[Array, ...], cosine: Array, sine: Array, x: Array, y: Array) -> Array:
     """
     Return the sum of covariances that arcs add, each swung by the motion that follows it.
 
@@ -121,8 +120,7 @@ def gathered(
     total[..., 0, 0] = (xx - y * (2.0 * xt - y * tt)).sum(axis=-1)
     total[..., 1, 1] = (yy + x * (2.0 * yt + x * tt)).sum(axis=-1)
     total[..., 2, 2] = tt.sum(axis=-1)
-    total[..., 0, 1] = total[..., 1, 0] = (
-        turned_xy + x * xt - y * yt - x * y * tt).sum(axis=-1)
+    total[..., 0, 1] = total[..., 1, 0] = (turned_xy + x * xt - y * yt - x * y * tt).sum(axis=-1)
     total[..., 0, 2] = total[..., 2, 0] = (xt - y * tt).sum(axis=-1)
     total[..., 1, 2] = total[..., 2, 1] = (yt + x * tt).sum(axis=-1)
     return total

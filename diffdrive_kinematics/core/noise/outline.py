@@ -118,8 +118,7 @@ def _split(points: Points, pairs: Pairs) -> Tuple[Points, Pairs, Array]:
     segment, node = segment[order], node[order]
     same = segment[:-1] == segment[1:]
     pieces = np.stack([node[:-1], node[1:]], axis=1)[same]
-    return (np.concatenate([points, crossing]), pieces,
-            np.angle(end - begin)[segment[:-1][same]])
+    return np.concatenate([points, crossing]), pieces, np.angle(end - begin)[segment[:-1][same]]
 
 
 def _walked(points: Points, pieces: Pairs, directions: Array) -> Points:

@@ -85,8 +85,7 @@ class ArcsAlong(NamedTuple):
         See :func:`arcs_along`.
 
         """
-        return gathered(
-            added, self.cosine, self.sine, self.x[-1] - self.x, self.y[-1] - self.y)
+        return gathered(added, self.cosine, self.sine, self.x[-1] - self.x, self.y[-1] - self.y)
 
 
 def arcs_along(geometry: WheelGeometry, travel: Array) -> ArcsAlong:

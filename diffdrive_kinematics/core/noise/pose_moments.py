@@ -96,8 +96,7 @@ def gaussian_moments(covariance: PoseCovariance) -> PoseMoments:
     if covariance == NO_COVARIANCE:
         return CERTAIN
     damped = 1j * math.exp(-0.5 * covariance.tt)
-    return PoseMoments(
-        covariance, 0j, damped * covariance.xt, damped * covariance.yt, GAUSSIAN)
+    return PoseMoments(covariance, 0j, damped * covariance.xt, damped * covariance.yt, GAUSSIAN)
 
 
 def heading_moments(concentration: float) -> PoseMoments:
@@ -131,8 +130,7 @@ def heading_moments(concentration: float) -> PoseMoments:
     return CERTAIN._replace(spread=NO_COVARIANCE._replace(tt=start.variance), start=start)
 
 
-def followed(
-        before: PoseMoments, heading: float, way: complex, arc: PoseMoments) -> PoseMoments:
+def followed(before: PoseMoments, heading: float, way: complex, arc: PoseMoments) -> PoseMoments:
     """
     Return the moments of a pose after an arc.
 

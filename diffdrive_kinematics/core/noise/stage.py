@@ -163,8 +163,7 @@ def with_pivots_joined(
                 break
         else:
             joined.append(stage)
-    reach = sum(
-        abs(stage.d_left) + abs(stage.d_right) + sum(stage[2:]) for stage in stages)
+    reach = sum(abs(stage.d_left) + abs(stage.d_right) + sum(stage[2:]) for stage in stages)
     return joined, left_out * (1.0 + 2.0 * reach / geometry.separation)
 
 

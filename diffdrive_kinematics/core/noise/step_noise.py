@@ -18,8 +18,7 @@ import math
 from typing import NamedTuple, Optional, Tuple
 
 from diffdrive_kinematics.core.kinematics import Command, Scalar, WheelGeometry
-from diffdrive_kinematics.core.noise.body_slip import (
-    body_noise, BodyNoise, BodySlip, NO_BODY_SLIP)
+from diffdrive_kinematics.core.noise.body_slip import body_noise, BodyNoise, BodySlip, NO_BODY_SLIP
 from diffdrive_kinematics.core.noise.noise import travel_variance, WheelSlip
 import numpy as np
 

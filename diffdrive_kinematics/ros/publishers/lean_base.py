@@ -182,8 +182,7 @@ class LeanBase:
         self._health.statistics.note(heard_ns, stamp_ns)
         return True
 
-    def _arc_moments(
-            self, left_angle: float, right_angle: float, *, swings: bool) -> PoseMoments:
+    def _arc_moments(self, left_angle: float, right_angle: float, *, swings: bool) -> PoseMoments:
         """Return the moments that wheels make which roll by angles [rad]."""
         geometry = self._geometry
         d_left, d_right = geometry.left_radius * left_angle, geometry.right_radius * right_angle

@@ -37,8 +37,7 @@ class PathPublisher:
 
     """
 
-    def __init__(
-            self, node: DiffDriveNode[Any], values: Mapping[str, Any], frame_id: str) -> None:
+    def __init__(self, node: DiffDriveNode[Any], values: Mapping[str, Any], frame_id: str) -> None:
         self._spacing = values['path_spacing']
         self._message = PathCodec(frame_id, values['path_length'])
         self._last: Optional[Pose] = None
