@@ -15,10 +15,10 @@
 """``calibrate``: a robot's systematic errors and slip, from files or live topics, into a YAML."""
 
 from contextlib import nullcontext
-from dataclasses import dataclass, replace
+from dataclasses import replace
 import signal
 import sys
-from typing import Any, List, Mapping, Optional
+from typing import Any, List, Mapping, NamedTuple, Optional
 
 from diffdrive_kinematics.core.kinematics import WheelGeometry
 from diffdrive_kinematics.ros.inputs.wheel_watch import WheelWatch
@@ -50,8 +50,7 @@ PROGRESS_RATE, FAREWELL_S = 0.5, HEARTBEAT_S + 1.0  # DDS can take that long for
 INTERRUPTED = 'interrupted: nothing is written'
 
 
-@dataclass(frozen=True)
-class Config:
+class Config(NamedTuple):
     """What to calibrate, and from what."""
 
     geometry: WheelGeometry

@@ -14,9 +14,8 @@
 
 """``diff_drive_controller``: velocity commands in, wheel rates out, within limits."""
 
-from dataclasses import dataclass
 import time
-from typing import Any, Mapping, Sequence
+from typing import Any, Mapping, NamedTuple, Sequence
 
 from diffdrive_kinematics.core.commands import Drive, DriveSettings, STILL, WheelCommand
 from diffdrive_kinematics.ros.inputs.command_intake import Backlog, CommandIntake, LATE_NS
@@ -38,8 +37,7 @@ REST = (0.0, 0.0)
 MOST_WATCHDOG_CALLS = 1000.0  # [Hz]
 
 
-@dataclass(frozen=True)
-class Config:
+class Config(NamedTuple):
     """What the controller is set to."""
 
     drive: DriveSettings
@@ -124,17 +122,18 @@ class DiffDriveController(DiffDriveNode[Config]):
         """Take the steps of a ramp that are due, and return the time [ns]."""
         now_ns = self._synchronised_now()
         if self._is_over(now_ns):
-            self._hear_backlog()
+            self._take_backlog()
             now_ns = self._synchronised_now()
         self._carry_out(*self._drive.advanced(now_ns))
         return now_ns
 
     def _tick(self) -> None:
         now_ns = self._step()
-        told = self._drive.command_at(now_ns)
-        passed_ns, said = told.stamp_ns - self._out.last_ns, self.health.sent > self._sent_by_tick
+        command = self._drive.command_at(now_ns)
+        passed_ns = command.stamp_ns - self._out.last_ns
+        said = self.health.sent > self._sent_by_tick
         if passed_ns and not (said and passed_ns < self._timer.timer_period_ns):
-            self._out.publish([told])
+            self._out.publish([command])
         self._sent_by_tick = self.health.sent
         if not self.health.statistics.count:
             self.commands.look_for_others(now_ns)
@@ -144,8 +143,8 @@ class DiffDriveController(DiffDriveNode[Config]):
         end_ns = self._drive.deadline_ns
         return end_ns is not None and end_ns <= time_ns and self._backlog is not None
 
-    def _hear_backlog(self) -> None:
-        """Hear the commands that have come already: the process may have been held up."""
+    def _take_backlog(self) -> None:
+        """Take the commands that have come already: the process may have been held up."""
         if self._backlog:
             end_ns = self._drive.deadline_ns
             self._backlog.hand_on(
@@ -163,7 +162,7 @@ class DiffDriveController(DiffDriveNode[Config]):
     def _on_silence(self) -> None:
         """End the command that no other has followed, however rarely the rates are repeated."""
         deadline_ns = self._drive.deadline_ns
-        self._hear_backlog()
+        self._take_backlog()
         if self._drive.deadline_ns != deadline_ns:
             return
         now_ns = self._synchronised_now()
@@ -195,7 +194,7 @@ class DiffDriveController(DiffDriveNode[Config]):
 
     def _on_release(self) -> None:
         """Have what was commanded up to now behind, whenever it comes."""
-        self._hear_backlog()
+        self._take_backlog()
         self._intake.none_before(self._synchronised_now())
 
     def _halt(self) -> None:

@@ -14,11 +14,10 @@
 
 """``diffdrive_sim``: the nodes of the package in one process, on one executor."""
 
-from dataclasses import dataclass
 from importlib import import_module
 import sys
 import time
-from typing import Any, Dict, List, Mapping, Tuple, Type
+from typing import Any, Dict, List, Mapping, NamedTuple, Tuple, Type
 
 from diffdrive_kinematics.ros.parameters.configuration_error import refusing
 from diffdrive_kinematics.ros.parameters.members import Member, members_of
@@ -50,8 +49,7 @@ PROGRESS_LINES = 10
 REST_TIMEOUT_NS = 5_000_000_000
 
 
-@dataclass(frozen=True)
-class Config:
+class Config(NamedTuple):
     """What the composition is set to."""
 
     members: Tuple[Member, ...]

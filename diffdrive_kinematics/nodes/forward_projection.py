@@ -14,9 +14,8 @@
 
 """``forward_projection``: odometry and wheel rates in, where the robot may soon be out."""
 
-from dataclasses import dataclass
 import math
-from typing import Any, List, Mapping, Optional, Tuple, Union
+from typing import Any, List, Mapping, NamedTuple, Optional, Tuple, Union
 
 from diffdrive_kinematics.core.kinematics import Command, Pose, WheelGeometry
 from diffdrive_kinematics.core.noise import BodySlip, Projected, projected, unit_bound, WheelSlip
@@ -44,8 +43,7 @@ from std_msgs.msg import Header
 WAITING_REPORT_PERIOD_S = 10.0
 
 
-@dataclass(frozen=True)
-class Config:
+class Config(NamedTuple):
     """What the projection is set to."""
 
     geometry: WheelGeometry

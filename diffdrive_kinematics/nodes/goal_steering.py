@@ -14,9 +14,8 @@
 
 """``goal_steering``: odometry and goals or paths in, velocity commands out."""
 
-from dataclasses import dataclass
 import math
-from typing import Any, Mapping, Optional, Sequence, Union
+from typing import Any, Mapping, NamedTuple, Optional, Sequence, Union
 
 from diffdrive_kinematics.core.commands import (
     HeadingRegulator, Law, PointForward, PoseController, Progress, PurePursuit, SteeringCommand,
@@ -36,8 +35,7 @@ from rclpy.publisher import Publisher
 WAITING_REPORT_PERIOD_S = 5.0
 
 
-@dataclass(frozen=True)
-class Config:
+class Config(NamedTuple):
     """What steers, and how."""
 
     law: Law

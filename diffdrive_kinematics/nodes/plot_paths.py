@@ -14,10 +14,9 @@
 
 """``plot_paths``: a list of commands in, a picture of where they lead under slip out."""
 
-from dataclasses import dataclass
 import math
 import sys
-from typing import Any, List, Mapping, Tuple, Union
+from typing import Any, List, Mapping, NamedTuple, Tuple, Union
 
 from diffdrive_kinematics.core.kinematics import Command, Pose, WheelGeometry
 from diffdrive_kinematics.core.noise import (
@@ -36,8 +35,7 @@ from diffdrive_kinematics.tools.output_files import check_writable, write_files
 import numpy as np
 
 
-@dataclass(frozen=True)
-class Config:
+class Config(NamedTuple):
     """What the picture is of: every command is ``steps`` equal ones in a row."""
 
     steps: Tuple[Command, ...]

@@ -13,9 +13,8 @@
 # limitations under the License.
 """``robot_description``: the robot of the geometry as URDF, on a topic or in a file."""
 
-from dataclasses import dataclass
 import math
-from typing import Any, Mapping
+from typing import Any, Mapping, NamedTuple
 
 from diffdrive_kinematics.ros.messages.urdf import default_wheel_base, Shape, urdf_of
 from diffdrive_kinematics.ros.messages.wheel_joints import wheel_joints
@@ -31,8 +30,7 @@ from std_msgs.msg import String
 WIDTH = 0.5  # of a wheel whose width is not set, in radii
 
 
-@dataclass(frozen=True)
-class Config:
+class Config(NamedTuple):
     """What is described, and how."""
 
     urdf: str

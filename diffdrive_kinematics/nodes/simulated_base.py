@@ -14,8 +14,7 @@
 
 """``simulated_base``: wheel motion in, odometry, joint states and tf out."""
 
-from dataclasses import dataclass
-from typing import Any, Mapping, Optional
+from typing import Any, Mapping, NamedTuple, Optional
 
 from diffdrive_kinematics.core.kinematics import Pose, WheelGeometry
 from diffdrive_kinematics.core.noise import NO_COVARIANCE, PoseCovariance, PoseMoments
@@ -46,8 +45,7 @@ from std_srvs.srv import Trigger
 WAITING_REPORT_PERIOD_S = 10.0
 
 
-@dataclass(frozen=True)
-class Config:
+class Config(NamedTuple):
     """What the base is set to."""
 
     geometry: WheelGeometry
@@ -107,7 +105,7 @@ class SimulatedBase(DiffDriveNode[Config]):
         runtime.serve(Trigger, '~/reset', self._on_reset)
         self._lean = LeanBase(
             odometry, self._reader, self._wheel_motion, self.health, self._out, self._wheels,
-            self._joints, self._tell_beside, now=self._synchronised_now, tick=self._tick)
+            self._joints, self._publish_beside, now=self._synchronised_now, tick=self._tick)
         self._on_timer = self._lean.tick if (
             values['lean_path'] and self._wheel_motion.waits and not transform) else self._tick
         self._timer = runtime.every(values['publish_rate'], self._on_timer)
@@ -190,9 +188,9 @@ class SimulatedBase(DiffDriveNode[Config]):
         self._out.publish(now_ns, reading, self._odometry)
         if self._joints:
             self._joints.publish(self._wheels.encode(now_ns, reading.rates, reading.angles))
-        self._tell_beside(now_ns, reading.pose)
+        self._publish_beside(now_ns, reading.pose)
 
-    def _tell_beside(self, now_ns: int, pose: Pose) -> None:
+    def _publish_beside(self, now_ns: int, pose: Pose) -> None:
         if self._transform:
             self._transform.publish(now_ns, self._out.frames, pose)
         if self._path:

@@ -14,9 +14,9 @@
 
 """``wheel_noise``: wheel motion in, biased and slipping wheel motion out."""
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 import math
-from typing import Any, Mapping, Optional
+from typing import Any, Mapping, NamedTuple, Optional
 
 from diffdrive_kinematics.core.commands import Twist
 from diffdrive_kinematics.core.kinematics import (
@@ -40,8 +40,7 @@ import numpy as np
 from sensor_msgs.msg import JointState
 
 
-@dataclass(frozen=True)
-class Config:
+class Config(NamedTuple):
     """What the noise is set to."""
 
     stream: SlipStream

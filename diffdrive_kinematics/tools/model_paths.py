@@ -14,8 +14,7 @@
 
 """Pictures of the models of core/models: their paths under commands, exact or disturbed."""
 
-from dataclasses import dataclass
-from typing import Any, Callable, List, Mapping, Optional, Sequence, Tuple
+from typing import Any, Callable, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
 from diffdrive_kinematics.core.kinematics import check_non_negative, Command, Pose, WheelGeometry
 from diffdrive_kinematics.core.models import (
@@ -43,8 +42,7 @@ MAKE: Mapping[str, Callable[[Values], Rolling]] = {
         track=values['wheel_separation'], **_steered(values))}
 
 
-@dataclass(frozen=True)
-class ModelConfig:
+class ModelConfig(NamedTuple):
     """A model, with each bound of its steering rate, and each disturbance of its commands."""
 
     systems: Tuple[ControlSystem, ...]

@@ -21,7 +21,7 @@ say at every tick, and in messages of many poses.  Where a message has both code
 they have the same names, and the same tests.
 """
 
-from diffdrive_kinematics.ros.messages.plain import TwistCodec, WheelCommandCodec
+from diffdrive_kinematics.ros.messages.plain import TwistCodec
 from diffdrive_kinematics.ros.messages.serialised import (
     JointStateCodec, OdometryCodec, TransformCodec, TwistCodec as CommandReader)
 from diffdrive_kinematics.ros.messages.serialised_poses import (
@@ -29,4 +29,4 @@ from diffdrive_kinematics.ros.messages.serialised_poses import (
 
 __all__ = [
     'CommandReader', 'JointStateCodec', 'OdometryCodec', 'PathCodec', 'TransformCodec',
-    'TwistCodec', 'WheelCommandCodec', 'encode_polygon', 'encode_poses']
+    'TwistCodec', 'encode_polygon', 'encode_poses']

@@ -38,13 +38,6 @@ def check_stamp(sec: int, nanosec: int) -> None:
             f'{NANOSECONDS} and sec below {LAST_SECOND}')
 
 
-def check_time(stamp: Time) -> None:
-    """Raise ``ValueError`` for a time that is no stamp, or before the epoch."""
-    check_stamp(stamp.sec, stamp.nanosec)
-    if stamp.sec < 0:
-        raise ValueError(f'time is {stamp.sec} s, expected 0 or later')
-
-
 def set_stamp(stamp: Time, time_ns: int) -> None:
     """Write a time [ns] into a stamp."""
     stamp.sec, stamp.nanosec = divmod(time_ns, NANOSECONDS)

@@ -31,7 +31,7 @@ from geometry_msgs.msg import Pose as PoseMessage, TransformStamped, Twist, Twis
 from nav_msgs.msg import Odometry
 from rclpy.serialization import deserialize_message
 from sensor_msgs.msg import JointState
-from std_msgs.msg import Float64MultiArray, Header
+from std_msgs.msg import Header
 
 POSE_BLOCK = (0, 1, 5, 6, 7, 11, 30, 31, 35)
 TWIST_BLOCK = (0, 5, 30, 35)
@@ -122,14 +122,6 @@ class JointStateCodec:
 
     def shape_of(self, message: bytes) -> Any:
         """Return what reads messages like it; None: only this codec does."""
-
-
-class WheelCommandCodec:
-    """A Float64MultiArray of rates of joints."""
-
-    def encode(self, rates: Sequence[float]) -> Float64MultiArray:
-        """Return the message with a rate [rad/s] of each joint."""
-        return Float64MultiArray(data=rates)
 
 
 class OdometryCodec:

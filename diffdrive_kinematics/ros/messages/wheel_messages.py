@@ -18,7 +18,7 @@ from typing import Any, Callable, NamedTuple, Optional, Sequence, Tuple, Union
 
 from diffdrive_kinematics.core.kinematics import NANOSECONDS
 from diffdrive_kinematics.core.odometry import Encoder, JointMessage, WheelPair, WheelSample
-from diffdrive_kinematics.ros.messages.codec import JointStateCodec, WheelCommandCodec
+from diffdrive_kinematics.ros.messages.codec import JointStateCodec
 from diffdrive_kinematics.ros.messages.messages import check_stamp
 from diffdrive_kinematics.ros.messages.plain import JointValues
 from diffdrive_kinematics.ros.messages.wheel_gathering import Gathered, Gathering
@@ -232,13 +232,6 @@ class WheelWriter:
             () if rates is None else joints.spread(joints.motion(rates))))
 
 
-class WheelCommandWriter:
-    """Writes wheel rates as Float64MultiArray, left wheels then right wheels."""
-
-    def __init__(self, joints: WheelJoints) -> None:
-        self._joints = joints
-        self._codec = WheelCommandCodec()
-
-    def encode(self, rates: WheelPair) -> Union[bytes, Float64MultiArray]:
-        """Return the message with rates [rad/s]."""
-        return self._codec.encode(self._joints.spread(self._joints.motion(rates)))
+def set_points(joints: WheelJoints, rates: WheelPair) -> Float64MultiArray:
+    """Return wheel rates [rad/s] as those of the joints, left wheels then right wheels."""
+    return Float64MultiArray(data=joints.spread(joints.motion(rates)))

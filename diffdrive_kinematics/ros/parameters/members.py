@@ -14,12 +14,10 @@
 
 """The nodes that are composed, as one parameter lists them."""
 
-from dataclasses import dataclass
-from typing import Collection, Sequence, Tuple
+from typing import Collection, NamedTuple, Sequence, Tuple
 
 
-@dataclass(frozen=True)
-class Member:
+class Member(NamedTuple):
     """A node to compose: its class, its name, and the namespace where the name has one."""
 
     kind: str

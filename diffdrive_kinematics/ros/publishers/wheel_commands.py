@@ -19,7 +19,7 @@ from typing import Any, Iterable, List, Mapping
 from diffdrive_kinematics.core.commands import WheelCommand
 from diffdrive_kinematics.ros.messages.codec import TwistCodec
 from diffdrive_kinematics.ros.messages.wheel_joints import wheel_joints
-from diffdrive_kinematics.ros.messages.wheel_messages import WheelCommandWriter, WheelWriter
+from diffdrive_kinematics.ros.messages.wheel_messages import set_points, WheelWriter
 from diffdrive_kinematics.ros.runtime.node import DiffDriveNode
 from geometry_msgs.msg import TwistStamped
 from rclpy.publisher import Publisher
@@ -42,9 +42,8 @@ class WheelCommandPublisher:
 
     def __init__(self, node: DiffDriveNode[Any], values: Mapping[str, Any]) -> None:
         joints, publish = wheel_joints(values), node.runtime.publish
-        self._node = node
+        self._node, self._joints = node, joints
         self._rates = WheelWriter(joints, node.source())
-        self._set_points = WheelCommandWriter(joints)
         self._twist = TwistCodec(values['base_frame_id'])
         self.rates_publisher = publish(JointState, values['wheel_rates_topic'])
         topic = values['wheel_commands_topic']
@@ -63,7 +62,7 @@ class WheelCommandPublisher:
             self.rates_publisher.publish(self._rates.encode(
                 command.stamp_ns, command.rates, None if first else command.angles))
             if self._set_point_publisher:
-                self._set_point_publisher.publish(self._set_points.encode(command.rates))
+                self._set_point_publisher.publish(set_points(self._joints, command.rates))
             if self._twist_publisher:
                 self._twist_publisher.publish(self._twist.encode(command.stamp_ns, *command.twist))
 

@@ -130,7 +130,7 @@ class MessageInfo(NamedTuple):
 
 
 UNKNOWN = MessageInfo()
-NUMBER, SENT, RECEIVED = (  # what is told of a message that is taken
+NUMBER, SENT, RECEIVED = (  # what is known of a message that is taken
     'publication_sequence_number', 'source_timestamp', 'received_timestamp')
 Taken = Tuple[bytes, Mapping[str, Any]]
 
@@ -141,16 +141,16 @@ def informing(callback: Callable[[Any, MessageInfo], None]) -> Callable[..., Non
 
     EventsExecutor hands on message and information as one argument, other executors as two.
     """
-    def hear(*taken: Any) -> None:
-        message, told = taken if len(taken) == 2 else taken[0]
-        get = told.get
+    def inform(*taken: Any) -> None:
+        message, info = taken if len(taken) == 2 else taken[0]
+        get = info.get
         callback(message, MessageInfo(get(NUMBER) or 0, get(SENT) or 0))
 
-    hear.__signature__ = inspect.signature(_both)  # type: ignore[attr-defined]
-    return hear
+    inform.__signature__ = inspect.signature(_both)  # type: ignore[attr-defined]
+    return inform
 
 
-def _both(message: Any, told: Mapping[str, Any]) -> None:
+def _both(message: Any, info: Mapping[str, Any]) -> None:
     """Show rclpy that a callback wants to know what the middleware knows of a message."""
 
 
@@ -164,8 +164,8 @@ def taker_of(subscription: Subscription) -> Callable[[], Optional[Taken]]:
 
 def hand_on(taken: Taken, callback: Callable[[bytes, MessageInfo], None]) -> None:
     """Call back with a message that was taken."""
-    message, told = taken
-    get = told.get
+    message, info = taken
+    get = info.get
     callback(message, MessageInfo(get(NUMBER) or 0, get(SENT) or 0, get(RECEIVED) or 0))
 
 

@@ -27,8 +27,7 @@ from diffdrive_kinematics.ros.messages.cdr import Layout
 from diffdrive_kinematics.ros.messages.messages import quaternion_of, set_stamp
 from diffdrive_kinematics.ros.messages.plain import JointValues, StampedTwist
 from diffdrive_kinematics.ros.messages.wheel_joints import WheelJoints
-from diffdrive_kinematics.ros.messages.wheel_messages import (
-    WheelCommandWriter, WheelReader, WheelWriter)
+from diffdrive_kinematics.ros.messages.wheel_messages import set_points, WheelReader, WheelWriter
 from diffdrive_kinematics.ros.publishers import odometry as odometry_publisher
 from geometry_msgs.msg import TransformStamped, Twist, TwistStamped
 from hypothesis import given, settings, strategies as st
@@ -171,7 +170,7 @@ def test_wheel_commands(names, rates, inverted):
     layout.sequence('I', [])
     layout.numbers('I', [0])
     layout.sequence('d', message.data)
-    assert_same_bytes(layout, WheelCommandWriter(joints).encode(rates), message)
+    assert_same_bytes(layout, set_points(joints, rates), message)
 
 
 @both

@@ -21,8 +21,7 @@ from diffdrive_kinematics.core.odometry import Encoder
 from diffdrive_kinematics.ros.messages.plain import JointStateCodec, JointValues
 from diffdrive_kinematics.ros.messages.urdf import Shape, urdf_of
 from diffdrive_kinematics.ros.messages.wheel_joints import wheel_joints, WheelJoints
-from diffdrive_kinematics.ros.messages.wheel_messages import (
-    WheelCommandWriter, WheelReader, WheelWriter)
+from diffdrive_kinematics.ros.messages.wheel_messages import set_points, WheelReader, WheelWriter
 from diffdrive_kinematics.ros.parameters.tables import TABLES
 from hypothesis import given, strategies as st
 import pytest
@@ -63,7 +62,7 @@ def test_messages_have_the_motion_of_motors(gear, inverted, rates, angles):
         [sign * rate for sign, rate in zip(signs, rates)], rel=1e-15)
     assert list(message.position) == pytest.approx(
         [sign * angle for sign, angle in zip(signs, angles)], rel=1e-15)
-    array = said(WheelCommandWriter(joints_of(gear, inverted)).encode(rates), Float64MultiArray)
+    array = said(set_points(joints_of(gear, inverted), rates), Float64MultiArray)
     assert list(array.data) == list(message.velocity)
 
 
