@@ -227,8 +227,9 @@ class DiffDriveController(DiffDriveNode[Config]):
         return Status({
             **self.health.statistics.values(sample.now_ns, 'command'),
             'achieved publish rate [Hz]': sample.rate, 'saturated': drive.saturated,
-            'limited': drive.limited, 'timeouts': drive.timeouts, **self._intake.values(),
-            **self._stop.values(), 'publishers of commands': self._command_watch.count}, [
+            'limited': drive.limited, 'timeouts': drive.timeouts,
+            'old commands': self.counts['old commands'], **self._stop.values(),
+            'publishers of commands': self._command_watch.count}, [
                 *self._stop.problems(), *self._command_watch.problems(),
                 *self.health.statistics.problems(
                     sample.now_ns, values['cmd_vel_timeout'], topic, at_rest=drive.rates == REST,

@@ -75,34 +75,30 @@ def picture_of(config: Config) -> Picture:
     paths = sample_paths(
         _starts(start, config), config.steps, config.geometry, *config.slips, n=values['paths'],
         seed=values['seed'], body=config.body)
-    poses, moments = _beliefs(start, config)
+    poses, moments, travels = _beliefs(start, config)
     after = range(config.each, len(poses), config.each)
     boundaries = [_boundary(start, config, end) for end in after] if _bounded(config) else []
     return Picture(
         paths, Pose(*map(np.array, zip(*poses))), [
             (poses[i], moments[i].second_moment()) for i in after],
-        boundaries, _title(config), _travels(config))
+        boundaries, _title(config), travels)
 
 
-def _beliefs(start: Pose, config: Config) -> Tuple[List[Pose], List[PoseMoments]]:
-    """Return the pose and its moments after each step; the bias is part of the pose."""
+def _beliefs(
+        start: Pose, config: Config) -> Tuple[List[Pose], List[PoseMoments], List[float]]:
+    """Return pose and moments after each step, and its travel; the bias is part of them."""
     gains = [1.0 + slip.bias for slip in config.slips]
     variances = [slip.variance / gain for slip, gain in zip(config.slips, gains)]
     poses, moments = [start], [heading_moments(config.values['initial_heading_concentration'])]
+    travels = []
     for command in config.steps:
-        travel = (gain * d for gain, d in zip(gains, travel_of_command(command, config.geometry)))
+        travel = np.multiply(gains, travel_of_command(command, config.geometry)).tolist()
         pose, after = propagated_moments(
             moments[-1], poses[-1], config.geometry, *travel, *variances, config.body)
         poses.append(pose)
         moments.append(after)
-    return poses, moments
-
-
-def _travels(config: Config) -> List[float]:
-    """Return how far the centre goes in each step, with the bias of the wheels."""
-    gains = [1.0 + slip.bias for slip in config.slips]
-    return [float(np.mean(np.multiply(gains, travel_of_command(command, config.geometry))))
-            for command in config.steps]
+        travels.append(float(np.mean(travel)))
+    return poses, moments, travels
 
 
 def _starts(start: Pose, config: Config) -> Pose:

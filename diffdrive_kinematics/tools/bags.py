@@ -96,12 +96,12 @@ def open_bag(path: str) -> Iterator[Bag]:
     with ExitStack() as stack:
         try:
             try:
-                readers = [stack.enter_context(make(path))]
+                readers = [make(path, stack)]
             except errors:
                 files = _files_in(path)
                 if not files:
                     raise
-                readers = [stack.enter_context(make(str(file))) for file in files]
+                readers = [make(str(file), stack) for file in files]
             bag = Bag(path, readers, errors)
         except errors as error:
             raise ValueError(f'{path} cannot be read as a bag: {_words(error)}') from error
@@ -159,16 +159,9 @@ def _reader() -> Tuple[Any, Tuple[type, ...]]:
 class _WithRosbags:
     """Reads with ``rosbags``."""
 
-    def __init__(self, path: str) -> None:
+    def __init__(self, path: str, stack: ExitStack) -> None:
         from rosbags.rosbag2 import Reader
-        self._reader = Reader(path)
-
-    def __enter__(self) -> '_WithRosbags':
-        self._reader.open()
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self._reader.close()
+        self._reader = stack.enter_context(Reader(path))
 
     def topics(self) -> List[BagTopic]:
         return [BagTopic(each.topic, each.msgtype, each.msgcount)
@@ -185,7 +178,7 @@ class _WithRosbag2Py:
 
     STORAGE = {'.mcap': 'mcap', '.db3': 'sqlite3'}
 
-    def __init__(self, path: str) -> None:
+    def __init__(self, path: str, _: ExitStack) -> None:
         self._module: Any = import_module('rosbag2_py')
         self._reader = self._module.SequentialReader()
         self._reader.open(
@@ -193,12 +186,6 @@ class _WithRosbag2Py:
                 uri=path, storage_id=self.STORAGE.get(Path(path).suffix, '')),
             self._module.ConverterOptions('cdr', 'cdr'))
         self._kinds = {each.name: each.type for each in self._reader.get_all_topics_and_types()}
-
-    def __enter__(self) -> '_WithRosbag2Py':
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        pass
 
     def topics(self) -> List[BagTopic]:
         return [

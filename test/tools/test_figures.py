@@ -20,7 +20,8 @@ from pathlib import Path
 
 from diffdrive_kinematics.nodes.plot_paths import build
 from diffdrive_kinematics.ros.parameters.parameters import coerce
-from diffdrive_kinematics.ros.parameters.tables import MODELS, PLOT_PATHS
+from diffdrive_kinematics.ros.parameters.tables import PLOT_PATHS
+from diffdrive_kinematics.ros.parameters.tables.tools import MODELS
 from diffdrive_kinematics.tools.model_paths import model_pictures
 import numpy as np
 import pytest

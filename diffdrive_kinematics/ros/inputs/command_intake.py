@@ -16,7 +16,7 @@
 
 import math
 import time
-from typing import Any, Callable, Dict, Mapping, Optional, Tuple
+from typing import Any, Callable, Mapping, Optional, Tuple
 
 from diffdrive_kinematics.core.commands import STILL, Twist
 from diffdrive_kinematics.core.kinematics import NANOSECONDS
@@ -136,10 +136,6 @@ class CommandIntake:
         if wall:
             self._clocks = self._clocks.clock_stepped(step_ns)
             self._on_own_clock = False
-
-    def values(self) -> Dict[str, Any]:
-        """Return what diagnostics tell of it."""
-        return {'old commands': self._node.counts['old commands']}
 
     def _learnt_age(self, latency_ns: int) -> int:
         """Return how long ago [ns] a message was sent, and learn of its sender's clock."""

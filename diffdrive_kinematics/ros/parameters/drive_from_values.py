@@ -24,7 +24,7 @@ from typing import Any, Mapping, Optional
 
 from diffdrive_kinematics.core.commands import AxisLimits, CommandResponse, DriveSettings
 from diffdrive_kinematics.ros.parameters.from_values import wheel_geometry
-from diffdrive_kinematics.ros.parameters.tables import LIMITS, SWITCHES
+from diffdrive_kinematics.ros.parameters.tables.controller import LIMITS, SWITCHES
 
 Values = Mapping[str, Any]
 

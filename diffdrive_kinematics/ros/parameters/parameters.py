@@ -20,7 +20,6 @@ A table lists what a node knows.  The values become one frozen configuration by 
 run time is judged first, without side effects, and applied only after it was accepted.
 """
 
-from dataclasses import dataclass
 from typing import (
     Any, Callable, Collection, Dict, Generic, Iterable, List, Mapping, Optional, Sequence, Tuple,
     TypeVar)
@@ -95,15 +94,9 @@ def _number(value: Any) -> float:
     return float(value.replace('.', '') if isinstance(value, str) else value)
 
 
-@dataclass(frozen=True)
-class _Judged(Generic[Config]):
-    values: Mapping[str, Any]
-    config: Config
-
-
 class ParameterSet(Generic[Config]):
     """
-    The declared parameters of a node, and the configuration that they amount to.
+    The declared parameters of a node: ``table``, ``values`` by name, and the ``config`` of these.
 
     Parameters
     ----------
@@ -132,40 +125,25 @@ class ParameterSet(Generic[Config]):
             build: Callable[[Mapping[str, Any]], Config], given: Mapping[str, Parameter],
             neighbours: Collection[str] = (), argv: Sequence[str] = ()) -> None:
         self._node = node
-        self._table = {entry.name: entry for entry in table}
+        self.table = {entry.name: entry for entry in table}
         self._build = build
         self._on_change: Optional[Callable[[Config], None]] = None
-        report_unknown(node, given, self._table)
+        report_unknown(node, given, self.table)
         self._report_doubts(given, neighbours, argv)
-        self._judged = self._judge_start(given)
+        self.values, self.config = self._judge_start(given)
         node.add_pre_set_parameters_callback(self._in_their_types)
         node.add_on_set_parameters_callback(self._judge_change)
         node.add_post_set_parameters_callback(self._apply_change)
-
-    @property
-    def table(self) -> Mapping[str, ParameterSpec]:
-        """Return the parameters that the node knows, by name."""
-        return self._table
-
-    @property
-    def config(self) -> Config:
-        """Return the configuration in force."""
-        return self._judged.config
-
-    @property
-    def values(self) -> Mapping[str, Any]:
-        """Return the values in force, by name."""
-        return self._judged.values
 
     def on_change(self, apply: Callable[[Config], None]) -> None:
         """Call ``apply`` with the new configuration after each accepted change."""
         self._on_change = apply
 
-    def _judge_start(self, given: Mapping[str, Parameter]) -> '_Judged[Config]':
+    def _judge_start(self, given: Mapping[str, Parameter]) -> Tuple[Mapping[str, Any], Config]:
         values: Dict[str, Any] = {}
         problems = []
-        older = aliased(given, self._table)
-        for entry in self._table.values():
+        older = aliased(given, self.table)
+        for entry in self.table.values():
             raw = self._declared(entry, given.get(older.get(entry.name, entry.name)))
             if entry.required and raw != raw:  # the default of what must be set is NaN
                 problems.append(f'{entry.name} is not set, expected {entry.description}')
@@ -176,7 +154,7 @@ class ParameterSet(Generic[Config]):
                 problems.append(str(error))
         if not problems:
             try:
-                return _Judged(values, self._build(values))
+                return values, self._build(values)
             except ValueError as error:
                 problems.append(str(error))
         reason = '; '.join(problems)
@@ -195,8 +173,8 @@ class ParameterSet(Generic[Config]):
 
     def _in_their_types(self, changes: List[Parameter]) -> List[Parameter]:
         """Return changes with numbers in the types of the table; others are judged later."""
-        return [self._in_its_type(self._table[change.name], change)
-                if change.name in self._table else change for change in changes]
+        return [self._in_its_type(self.table[change.name], change)
+                if change.name in self.table else change for change in changes]
 
     @staticmethod
     def _in_its_type(entry: ParameterSpec, parameter: Parameter) -> Parameter:
@@ -206,12 +184,12 @@ class ParameterSet(Generic[Config]):
         return Parameter(entry.name, TYPES[entry.kind], (
             accepted if entry.kind is Kind.DOUBLE else list(accepted)))
 
-    def _judge(self, changes: Iterable[Parameter]) -> '_Judged[Config]':
-        values = dict(self._judged.values)
+    def _judge(self, changes: Iterable[Parameter]) -> Tuple[Mapping[str, Any], Config]:
+        values = dict(self.values)
         for parameter in changes:
-            if parameter.name in self._table:
-                values[parameter.name] = coerce(self._table[parameter.name], parameter.value)
-        return _Judged(values, self._build(values))
+            if parameter.name in self.table:
+                values[parameter.name] = coerce(self.table[parameter.name], parameter.value)
+        return values, self._build(values)
 
     def _judge_change(self, changes: Iterable[Parameter]) -> SetParametersResult:
         if not self._concerns(changes):
@@ -225,23 +203,23 @@ class ParameterSet(Generic[Config]):
 
     def _concerns(self, changes: Iterable[Parameter]) -> bool:
         """Return whether any parameter of the table is among the changes."""
-        return any(parameter.name in self._table for parameter in changes)
+        return any(parameter.name in self.table for parameter in changes)
 
     def _apply_change(self, changes: Iterable[Parameter]) -> None:
         if not self._concerns(changes):
             return
-        judged = self._judge(changes)
-        if judged.values == self._judged.values:
+        values, config = self._judge(changes)
+        if values == self.values:
             return
-        self._judged = judged
+        self.values, self.config = values, config
         if self._on_change is not None:
-            self._on_change(judged.config)
+            self._on_change(config)
 
     def _report_doubts(
             self, given: Mapping[str, Parameter], neighbours: Collection[str],
             argv: Sequence[str]) -> None:
         """Report sections, and names in them, that were probably meant for another node."""
         sections, node = sections_of(params_files(argv)), self._node.get_fully_qualified_name()
-        for text in (*doubts(sections, node, tuple(self._table.values()), given, neighbours),
-                     *misplaced(sections, node, self._table), *shadowed(sections, node, argv)):
+        for text in (*doubts(sections, node, tuple(self.table.values()), given, neighbours),
+                     *misplaced(sections, node, self.table), *shadowed(sections, node, argv)):
             self._node.get_logger().warning(text)

@@ -18,7 +18,8 @@ import math
 
 from diffdrive_kinematics.ros.parameters.drive_from_values import axis_limits
 from diffdrive_kinematics.ros.parameters.parameters import coerce
-from diffdrive_kinematics.ros.parameters.tables import DIFF_DRIVE_CONTROLLER, LIMITS, TABLES
+from diffdrive_kinematics.ros.parameters.tables import DIFF_DRIVE_CONTROLLER, TABLES
+from diffdrive_kinematics.ros.parameters.tables.controller import LIMITS
 from diffdrive_kinematics.ros.publishers.tf import frame_prefix
 import pytest
 

@@ -20,19 +20,12 @@ has the same thing.  The tables are data: nodes declare them, documentation is m
 """
 
 from diffdrive_kinematics.ros.parameters.tables.commands import COMMAND_SEQUENCE, GOAL_STEERING
-from diffdrive_kinematics.ros.parameters.tables.controller import (
-    DIFF_DRIVE_CONTROLLER, LIMITS, SWITCHES)
+from diffdrive_kinematics.ros.parameters.tables.controller import DIFF_DRIVE_CONTROLLER
 from diffdrive_kinematics.ros.parameters.tables.tools import (
-    CALIBRATE, DIFFDRIVE_SIM, MODELS, PLOT_PATHS, ROBOT_DESCRIPTION)
+    CALIBRATE, DIFFDRIVE_SIM, PLOT_PATHS, ROBOT_DESCRIPTION)
 from diffdrive_kinematics.ros.parameters.tables.viewers import TELEOP, WEB_VIEW
 from diffdrive_kinematics.ros.parameters.tables.wheels import (
     FORWARD_PROJECTION, SIMULATED_BASE, WHEEL_NOISE, WHEEL_ODOMETRY)
-
-__all__ = [
-    'CALIBRATE', 'COMMAND_SEQUENCE', 'DIFFDRIVE_SIM', 'DIFF_DRIVE_CONTROLLER',
-    'FORWARD_PROJECTION', 'GOAL_STEERING', 'KNOWN_NAMES', 'LIMITS', 'MODELS', 'PLOT_PATHS',
-    'ROBOT_DESCRIPTION', 'SIMULATED_BASE', 'SWITCHES', 'TABLES', 'TELEOP', 'WEB_VIEW',
-    'WHEEL_NOISE', 'WHEEL_ODOMETRY']
 
 TABLES = {
     'diff_drive_controller': DIFF_DRIVE_CONTROLLER, 'wheel_noise': WHEEL_NOISE,
