@@ -22,12 +22,9 @@ into one of the arcs, of which it takes a part.
 from typing import NamedTuple, Tuple
 
 from diffdrive_kinematics.core.calibration.calibration_parameters import CalibrationParameters
-from diffdrive_kinematics.core.calibration.recorded_drive import RecordedDrive
+from diffdrive_kinematics.core.calibration.recorded_drive import Indices, RecordedDrive
 from diffdrive_kinematics.core.kinematics import Array, WheelGeometry
 import numpy as np
-from numpy.typing import NDArray
-
-Indices = NDArray[np.intp]
 
 
 class Nodes(NamedTuple):

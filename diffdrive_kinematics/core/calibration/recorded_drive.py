@@ -25,8 +25,9 @@ from dataclasses import dataclass, replace
 from diffdrive_kinematics.core.calibration.recorded_rows import latest_rows
 from diffdrive_kinematics.core.kinematics import Array
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
+Indices = NDArray[np.intp]
 FROZEN_TRAVEL = 0.05
 """Travel of the wheels [m] from which a pose that stays the same is none."""
 

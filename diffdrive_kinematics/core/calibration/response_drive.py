@@ -16,15 +16,12 @@
 
 from dataclasses import replace
 
-from diffdrive_kinematics.core.calibration.recorded_drive import RecordedDrive
+from diffdrive_kinematics.core.calibration.recorded_drive import Indices, RecordedDrive
 from diffdrive_kinematics.core.commands import CommandResponse
 from diffdrive_kinematics.core.kinematics import (
     Array, twist_from_wheel_rates, wheel_rates_from_twist, WheelGeometry)
 from diffdrive_kinematics.core.noise import rotations
 import numpy as np
-from numpy.typing import NDArray
-
-Indices = NDArray[np.intp]
 
 SAME, LONGEST_S = 1e-9, 0.25
 """Difference of commands [m/s, rad/s] that are the same, and for how long they are joined [s]."""

@@ -23,12 +23,9 @@ from dataclasses import dataclass
 import math
 from typing import NamedTuple, Sequence, Tuple
 
-from diffdrive_kinematics.core.calibration.recorded_drive import RecordedDrive
+from diffdrive_kinematics.core.calibration.recorded_drive import Indices, RecordedDrive
 from diffdrive_kinematics.core.kinematics import Array, check_positive
 import numpy as np
-from numpy.typing import NDArray
-
-Indices = NDArray[np.intp]
 
 
 @dataclass(frozen=True)

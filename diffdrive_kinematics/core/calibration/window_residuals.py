@@ -31,15 +31,12 @@ from diffdrive_kinematics.core.calibration.calibration_parameters import Calibra
 from diffdrive_kinematics.core.calibration.drive_odometry import (
     calibrated_travel, nodes_of, path_of, since_middle)
 from diffdrive_kinematics.core.calibration.interval_sums import interval_sums
-from diffdrive_kinematics.core.calibration.recorded_drive import RecordedDrive
+from diffdrive_kinematics.core.calibration.recorded_drive import Indices, RecordedDrive
 from diffdrive_kinematics.core.calibration.trajectory_windows import WindowSet
 from diffdrive_kinematics.core.calibration.white_errors import from_entries
 from diffdrive_kinematics.core.kinematics import Array, WheelGeometry, wrap_angle
 from diffdrive_kinematics.core.noise import pose_jacobians, rotations
 import numpy as np
-from numpy.typing import NDArray
-
-Indices = NDArray[np.intp]
 
 
 @dataclass(frozen=True)

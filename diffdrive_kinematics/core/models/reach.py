@@ -33,16 +33,13 @@ from typing import NamedTuple, Sequence, Tuple
 
 from diffdrive_kinematics.core.kinematics import Array
 from diffdrive_kinematics.core.models.disturbance import Disturbance, Step
-from diffdrive_kinematics.core.models.mesh import swept, widened
+from diffdrive_kinematics.core.models.mesh import Points, swept, widened
 from diffdrive_kinematics.core.models.pieces import pieces_of
 from diffdrive_kinematics.core.models.rolling import Rolling
 from diffdrive_kinematics.core.models.stray import Piece, stray
 from diffdrive_kinematics.core.models.system import ControlSystem, Vector
 from diffdrive_kinematics.core.noise import area, perimeter, simplified
 import numpy as np
-from numpy.typing import NDArray
-
-Points = NDArray[np.complex128]
 
 LINES = 33
 """Lines either way through the box of a step's commands."""

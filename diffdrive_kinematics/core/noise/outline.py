@@ -22,12 +22,8 @@ closed.
 from typing import List, Tuple
 
 from diffdrive_kinematics.core.kinematics import Array
-from diffdrive_kinematics.core.noise.polygons import ranges, segment_distances
+from diffdrive_kinematics.core.noise.polygons import Pairs, Points, ranges, segment_distances
 import numpy as np
-from numpy.typing import NDArray
-
-Points = NDArray[np.complex128]
-Pairs = NDArray[np.int64]
 
 JITTER = 1e-9
 """Of the size: moves points into general position, where no two segments overlap."""

@@ -19,12 +19,9 @@ from typing import Tuple
 
 from diffdrive_kinematics.core.kinematics import (
     Array, pose_change_from_travel, sinc, WheelGeometry)
+from diffdrive_kinematics.core.noise.polygons import Pairs, Points
 from diffdrive_kinematics.core.noise.stage import Stage
 import numpy as np
-from numpy.typing import NDArray
-
-Points = NDArray[np.complex128]
-Pairs = NDArray[np.int64]
 
 
 def turn_errors(

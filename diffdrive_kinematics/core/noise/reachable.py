@@ -47,15 +47,12 @@ from diffdrive_kinematics.core.kinematics import (
 from diffdrive_kinematics.core.noise.body_slip import BodySlip, NO_BODY_SLIP
 from diffdrive_kinematics.core.noise.noise import WheelSlip
 from diffdrive_kinematics.core.noise.outline import outer_boundary
-from diffdrive_kinematics.core.noise.polygons import area, perimeter, simplified
+from diffdrive_kinematics.core.noise.polygons import area, perimeter, Points, simplified
 from diffdrive_kinematics.core.noise.reach_mesh import (
     mesh_of, slices_of, turn_errors, turned_edges)
 from diffdrive_kinematics.core.noise.stage import Stage, stage_from_slip, with_pivots_joined
 import numpy as np
-from numpy.typing import NDArray
 
-Points = NDArray[np.complex128]
-Pairs = NDArray[np.int64]
 Bounds = Union[float, Sequence[float]]
 
 SHARE = 0.006
