@@ -69,14 +69,15 @@ def of_commands(
     rows += slip_rows(slip)
     gains, chosen = fit.prediction('gains'), fit.prediction()
     seconds = sum(float(drive.time[-1] - drive.time[0]) for drive in drives)
-    forms = ', '.join(f'{each.form} {1e3 * each.position:.1f}' for each in fit.predictions)
+    forms = ', '.join(f'{each.form} {1e3 * each.mean:.1f}' for each in fit.predictions)
     return Calibration(
         'response to commands', geometry, (slip.k_left.value, slip.k_right.value), tuple(rows),
         (Gain('position after 10 s, median [mm]', 1e3 * gains.position, 1e3 * chosen.position),
          Gain('heading after 10 s, median [mrad]', 1e3 * gains.heading, 1e3 * chosen.heading)),
         (f'{len(drives)} drives, {seconds:.1f} s, form: {fit.form}',
-         'errors are those of quarters of the drives that were not fitted; position [mm] by form: '
-         + forms, slip_remark(slip)),
+         'errors are those of quarters of the drives that were not fitted; mean of position [mm] '
+         f'by form: {forms}; the simplest form within one standard error of the best is taken',
+         slip_remark(slip)),
         (fit, geometry, drives), ('gains, delay', 'response'), body=slip.body,
         response=parameters)
 

@@ -15,12 +15,15 @@
 """
 Which form of the response describes a robot, chosen by how well it predicts what it has not seen.
 
-Every drive is cut into quarters.  Each form is fitted without one quarter and predicts it; the
-form with the least median error of position, the simplest of equals, is fitted to all.
+Every drive is cut into quarters.  Each form is fitted without one quarter and predicts it.  The
+simplest form whose mean error of position is within one standard error of the least one is fitted
+to all (Breiman, Friedman, Olshen & Stone 1984, 3.4.3; Hastie, Tibshirani & Friedman 2009, 7.10).
+The error is that of the difference, as both predict the same windows, so that windows in which
+the robot does what no form knows count little.
 """
 
 import math
-from typing import Callable, NamedTuple, Sequence, Tuple
+from typing import Callable, Dict, Mapping, NamedTuple, Sequence, Tuple
 
 from diffdrive_kinematics.core.calibration.recorded_drive import RecordedDrive
 from diffdrive_kinematics.core.calibration.response_drive import with_commands_joined
@@ -34,7 +37,8 @@ import numpy as np
 
 PARTS, LEAST_S = 4, 80.0
 PREDICTED = Windows((10.0,), every=2.5)
-EQUAL_M = 1e-4  # errors [m] that are the same
+EQUAL_M = 1e-4  # mean errors [m] that are the same
+BLOCK = 8  # neighbouring windows, which overlap, count as one
 
 
 class Prediction(NamedTuple):
@@ -49,10 +53,12 @@ class Prediction(NamedTuple):
         Median error of position [m]; infinite where the form cannot be fitted.
     heading : float
         Median error of heading [rad].
+    mean : float
+        Mean error of position [m], by which forms are compared; infinite as the median is.
 
     Examples
     --------
-    >>> Prediction('gains', position=0.05, heading=0.06).position
+    >>> Prediction('gains', position=0.05, heading=0.06, mean=0.06).position
     0.05
 
     """
@@ -60,6 +66,7 @@ class Prediction(NamedTuple):
     form: str
     position: float
     heading: float
+    mean: float
 
 
 class ResponseFit(NamedTuple):
@@ -170,23 +177,59 @@ def fit_response(
         kept = [part for parts in quarters for n, part in enumerate(parts) if n != number]
         folds.append((kept, [parts[number] for parts in quarters], fit_heading(geometry, kept)))
 
-    def predicted(form: str) -> Prediction:
+    predictions = []
+    distances: Dict[str, Array] = {}
+    for form in FORMS:
         watch(form)
         try:
             errors = np.concatenate([
                 response_errors(geometry, left, fit_form(geometry, kept, heading, form), PREDICTED)
                 for kept, left, heading in folds])
         except ValueError:  # no robot does what it fits
-            return Prediction(form, math.inf, math.inf)
-        return Prediction(form, float(np.median(np.hypot(*errors[:, :2].T))),
-                          float(np.median(np.abs(errors[:, 2]))))
-
-    predictions = tuple(predicted(form) for form in FORMS)
-    least = min(each.position for each in predictions)
-    chosen = next(each.form for each in predictions if each.position <= least + EQUAL_M)
+            predictions.append(Prediction(form, math.inf, math.inf, math.inf))
+            continue
+        far = distances[form] = np.hypot(errors[:, 0], errors[:, 1])
+        predictions.append(Prediction(
+            form, float(np.median(far)), float(np.median(np.abs(errors[:, 2]))),
+            float(np.mean(far))))
+    chosen = simplest(distances) if distances else FORMS[0]
     watch(chosen)
     found = fit_form(geometry, joined, fit_heading(geometry, joined), chosen)
-    return ResponseFit(found.response, found.frame, chosen, predictions)
+    return ResponseFit(found.response, found.frame, chosen, tuple(predictions))
+
+
+def simplest(distances: Mapping[str, Array]) -> str:
+    """
+    Return the first form whose mean error is within one standard error of the least one.
+
+    Parameters
+    ----------
+    distances : mapping of str to numpy.ndarray, shape (w,)
+        Errors [m] of the same windows by each form, simple forms first.
+
+    Returns
+    -------
+    str
+        The form.
+
+    Examples
+    --------
+    The table is better in half of the windows and worse in the others, or better in all:
+
+    >>> gains, table = np.full(16, 0.02), np.repeat([0.01, 0.028], 8)
+    >>> simplest({'gains': gains, 'table': table}), simplest({'gains': gains, 'table': gains / 2})
+    ('gains', 'table')
+
+    """
+    best = min(distances.values(), key=np.mean)
+    return next(form for form, each in distances.items()
+                if np.mean(each - best) <= max(EQUAL_M, _standard_error(each - best)))
+
+
+def _standard_error(values: Array) -> float:
+    """Return the standard error of a mean of which neighbours belong together."""
+    means = [np.mean(block) for block in np.array_split(values, max(len(values) // BLOCK, 2))]
+    return float(np.std(means, ddof=1)) / math.sqrt(len(means))
 
 
 def _quarters(drive: RecordedDrive) -> Sequence[RecordedDrive]:

@@ -23,9 +23,9 @@ from diffdrive_kinematics.core.commands import CommandResponse
 from diffdrive_kinematics.core.kinematics import Array, WheelGeometry
 import numpy as np
 
-FORMS = (
-    'gains', 'turn loss', 'turn loss in proportion', 'turn loss, straights apart', 'table')
-"""Forms of the share of the speed that is kept, simple ones first."""
+FORMS = ('gains', 'turn loss in proportion', 'turn loss', 'table')
+"""Forms of the share of the speed that is kept, simple ones first.  The turn loss has a share of
+its own for straights, drawn to 1: where it is not needed it costs next to nothing."""
 
 GAINS, LOSSES_M, VEERS, DELAYS_S = (0.05, 5.0), (0.0, 5.0), (-2.0, 2.0), (0.0, 3.0)
 """What robots do at all."""
@@ -71,11 +71,11 @@ def form_of(
     ...     [0.0, 1.0], [[0.5, 1.0]] * 2, [0.0, 1.0], np.zeros((2, 3)), geometry=geometry)
     >>> start, _, respond = form_of(geometry, [drive], CommandResponse(0.5, 1.0), 'turn loss')
     >>> start, respond(start).turn_loss
-    (array([1. , 0.1]), 0.1)
+    (array([1. , 0.1, 1. ]), 0.1)
 
     """
     nodes = _widest(geometry, drives, heading) * np.array(NODES)
-    table, straights = form == 'table', 'straights' in form
+    table, straights = form == 'table', form == 'turn loss'
     order = 1 if 'proportion' in form else 2
 
     def respond(values: Array) -> CommandResponse:

@@ -19,6 +19,7 @@ from dataclasses import replace
 from diffdrive_kinematics.core.calibration import (
     CalibrationParameters, drive_from_commands, fit_form, fit_heading, fit_response, FORMS,
     odometry_at, responded, response_errors, Windows)
+from diffdrive_kinematics.core.calibration.response_choice import simplest
 from diffdrive_kinematics.core.commands import CommandResponse
 from diffdrive_kinematics.core.kinematics import WheelGeometry
 import numpy as np
@@ -62,6 +63,31 @@ def test_the_response_that_was_driven_is_found_in_its_form(form):
     assert fit.frame == pytest.approx(FRAME, abs=0.01)
     assert [each.form for each in fit.predictions] == list(FORMS)
     assert fit.prediction().position < 3e-3
+
+
+def test_a_form_that_is_better_by_no_more_than_noise_is_not_taken():
+    generator, taken = np.random.default_rng(1), {0.0: 0, 1e-3: 0, 4e-3: 0}
+    for better in taken:
+        for _ in range(400):
+            shared = 0.03 + np.repeat(0.02 * generator.standard_normal(20), 8)
+            own = np.repeat(4e-3 * generator.standard_normal(20), 8)
+            taken[better] += simplest({'gains': shared, 'table': shared + own - better}) == 'table'
+    assert taken[0.0] < 400 * 0.2 and taken[4e-3] > 400 * 0.95  # the error is 0.9 mm
+    assert 400 * 0.35 < taken[1e-3] < 400 * 0.75
+
+
+def test_a_window_that_no_form_knows_does_not_choose():
+    steady = {'gains': np.full(160, 0.03), 'table': np.full(160, 0.02)}
+    wild = {form: np.append(each, np.full(8, 9.0 + each[0])) for form, each in steady.items()}
+    assert simplest(steady) == simplest(wild) == 'table'
+
+
+def test_straights_that_are_unlike_the_widest_curves_are_part_of_the_turn_loss():
+    truth = replace(TRUTHS['turn loss'], curvatures=(0.0, 0.1), shares=(0.9, 1.0))
+    fit = fit_response(GEOMETRY, [commanded_drive(truth)])
+    assert fit.form == 'turn loss'
+    assert fit.response.shares[0] == pytest.approx(0.9, abs=0.02)
+    assert fit.response.turn_loss == pytest.approx(truth.turn_loss, abs=0.01)
 
 
 def test_no_form_of_the_speed_changes_what_is_found_of_the_heading():
