@@ -125,7 +125,7 @@ def fit_response(
         geometry: WheelGeometry, drives: Sequence[RecordedDrive],
         watch: Callable[[str], None] = _nobody) -> ResponseFit:
     """
-    Return the response of a robot to its commands, in the form that predicts best.
+    Return the response of a robot to its commands, in the simplest form that predicts well.
 
     Parameters
     ----------
