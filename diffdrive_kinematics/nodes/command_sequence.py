@@ -30,7 +30,6 @@ from diffdrive_kinematics.ros.runtime.diagnostics import Problem, RateSample, St
 from diffdrive_kinematics.ros.runtime.node import DiffDriveNode
 from diffdrive_kinematics.ros.runtime.running import main_of
 from diffdrive_kinematics.tools.command_recordings import read_commands
-from geometry_msgs.msg import Twist, TwistStamped
 from rclpy.publisher import Publisher
 from rclpy.subscription import Subscription
 
@@ -102,11 +101,9 @@ class CommandSequence(DiffDriveNode[Config]):
         self._repeat_ns = period_ns(values['publish_rate'])
         self._start_ns = -1
         self._next = 0
-        stamped = values['enable_stamped_cmd_vel']
-        self._message = TwistCodec(values['base_frame_id'] if stamped else None)
+        self._message = TwistCodec.of(values)
         self._loop = values['loop']
-        self._publisher = self.runtime.publish(
-            TwistStamped if stamped else Twist, values['cmd_vel_topic'])
+        self._publisher = self.runtime.publish(self._message.message_type, values['cmd_vel_topic'])
         self._unanswered: Set[str] = {
             self.resolve_topic_name(topic) for topic in values['wait_for_topics']}
         self._answers: Dict[str, Subscription] = {}

@@ -28,7 +28,7 @@ from diffdrive_kinematics.ros.parameters.tables import GOAL_STEERING
 from diffdrive_kinematics.ros.runtime.diagnostics import RateSample, Status
 from diffdrive_kinematics.ros.runtime.node import DiffDriveNode
 from diffdrive_kinematics.ros.runtime.running import main_of
-from geometry_msgs.msg import PoseStamped, Twist, TwistStamped
+from geometry_msgs.msg import PoseStamped
 from nav_msgs.msg import Odometry, Path
 from rclpy.publisher import Publisher
 
@@ -74,10 +74,8 @@ class GoalSteering(DiffDriveNode[Config]):
         self._seen: Optional[Seen] = None
         self._standing = False
         self._progress = Progress(math.inf, math.inf, 0)
-        stamped = values['enable_stamped_cmd_vel']
-        self._message = TwistCodec(values['base_frame_id'] if stamped else None)
-        self._publisher = self.runtime.publish(
-            TwistStamped if stamped else Twist, values['cmd_vel_topic'])
+        self._message = TwistCodec.of(values)
+        self._publisher = self.runtime.publish(self._message.message_type, values['cmd_vel_topic'])
         self.runtime.listen(Odometry, values['odom_topic'], self._on_odometry)
         if values['goal_topic']:
             self.runtime.listen(

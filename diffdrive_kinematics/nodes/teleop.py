@@ -27,7 +27,6 @@ from diffdrive_kinematics.ros.runtime.node import DiffDriveNode
 from diffdrive_kinematics.ros.runtime.output import show
 from diffdrive_kinematics.ros.runtime.running import main_of
 from diffdrive_kinematics.tools.keyboard import Keyboard
-from geometry_msgs.msg import Twist, TwistStamped
 from rclpy.publisher import Publisher
 
 HELP = """Drive:    u  i  o      Speeds:   q/z  both up/down by 10 %
@@ -53,10 +52,8 @@ class Teleop(DiffDriveNode[Mapping[str, Any]]):
     def __init__(self, name: str = 'teleop', **composition: Any) -> None:
         super().__init__(name, TELEOP, dict, **composition)
         values = self.config
-        stamped = values['enable_stamped_cmd_vel']
-        self._message = TwistCodec(values['base_frame_id'] if stamped else None)
-        self._publisher = self.runtime.publish(
-            TwistStamped if stamped else Twist, values['cmd_vel_topic'])
+        self._message = TwistCodec.of(values)
+        self._publisher = self.runtime.publish(self._message.message_type, values['cmd_vel_topic'])
         self._speeds = values['speed'], values['yaw_rate']
         with refusing(self.get_fully_qualified_name()):
             self._keyboard = Keyboard(sys.stdin.fileno() if sys.stdin else -1)

@@ -31,7 +31,7 @@ from diffdrive_kinematics.ros.runtime.node import DiffDriveNode
 from diffdrive_kinematics.ros.runtime.running import main_of
 from diffdrive_kinematics.tools.page_frame import check_numbers, PageFrame
 from diffdrive_kinematics.tools.same_origin import LOOPBACK
-from geometry_msgs.msg import PolygonStamped, PoseArray, PoseStamped, Twist, TwistStamped
+from geometry_msgs.msg import PolygonStamped, PoseArray, PoseStamped
 from nav_msgs.msg import Odometry, Path
 from rclpy.publisher import Publisher
 
@@ -55,14 +55,11 @@ class WebView(DiffDriveNode[Mapping[str, Any]]):
         values = self.config
         self._shown = PageFrame(values['wheel_separation'])
         self._helm, self._drove = Helm(SILENCE_S), False
-        stamped = values['enable_stamped_cmd_vel']
-        self._message = TwistCodec(values['base_frame_id'] if stamped else None)
-        self._commands = self.runtime.publish(
-            TwistStamped if stamped else Twist, values['cmd_vel_topic'])
+        self._message = TwistCodec.of(values)
+        self._commands = self.runtime.publish(self._message.message_type, values['cmd_vel_topic'])
         if values['autonomous_cmd_vel_topic']:
             self.runtime.listen(
-                TwistStamped if stamped else Twist, values['autonomous_cmd_vel_topic'],
-                self._pass_on)
+                self._message.message_type, values['autonomous_cmd_vel_topic'], self._pass_on)
         self._goals = self.runtime.publish(PoseStamped, values['goal_topic'])
         self._plans = self.runtime.publish(Path, values['plan_topic'])
         self._triggers = RemoteTriggers(self, {

@@ -142,12 +142,14 @@ def _draw_windows(
     start, ends = 0.0, []
     for number, drive in enumerate(drives):
         length = min(WINDOW_S, 0.5 * float(drive.time[-1] - drive.time[0]))
-        for colour, when, errors in _errors(fit, geometry, drive, number, length):
-            times, values = errors
+        windows = windows_between(drive, (length,), EVERY_S, TOLERANCE_S)
+        times = start + (drive.reference_time[windows.end] - drive.reference_time[0])
+        for colour, when, systematic in _before_and_after(fit, number):
+            values = linearised(geometry, drive, windows, systematic).error
             label = None if number else when
-            position.plot(start + times, 1e3 * np.hypot(*values[:, :2].T), '.', ms=4,
-                          color=colour, label=label)
-            heading.plot(start + times, 1e3 * values[:, 2], '.', ms=4, color=colour, label=label)
+            position.plot(
+                times, 1e3 * np.hypot(*values[:, :2].T), '.', ms=4, color=colour, label=label)
+            heading.plot(times, 1e3 * values[:, 2], '.', ms=4, color=colour, label=label)
         start += float(drive.time[-1] - drive.time[0])
         ends.append(start)
     for axes, label in ((position, 'distance [mm]'), (heading, 'heading [mrad]')):
@@ -159,17 +161,6 @@ def _draw_windows(
     heading.set_xlabel('time [s], drives one after the other')
     position.legend(fontsize='small')
     position.set_title(f'Errors of odometry over windows of {WINDOW_S:g} s', fontsize='medium')
-
-
-def _errors(
-        fit: TrajectoryFit, geometry: WheelGeometry, drive: RecordedDrive, number: int,
-        length: float
-) -> List[Tuple[str, str, Tuple[Any, Any]]]:
-    """Return colour, label, and (times [s], errors, shape (w, 3)) before and after."""
-    windows = windows_between(drive, (length,), EVERY_S, TOLERANCE_S)
-    times = drive.reference_time[windows.end] - drive.reference_time[0]
-    return [(colour, when, (times, linearised(geometry, drive, windows, systematic).error))
-            for colour, when, systematic in _before_and_after(fit, number)]
 
 
 def _before_and_after(

@@ -26,7 +26,7 @@ COLUMNS = (
 TRUTH = 'x', 'y', 'yaw'
 
 
-class DriveTable:
+class DriveTable(GrowingFile):
     """
     The file of a drive of one robot, with a row for each time.
 
@@ -53,10 +53,9 @@ class DriveTable:
             raise ValueError(
                 f'record is {path!r}, and nodes has {len(start)} robots with odometry, expected '
                 'one robot; an .mcap file is of any number')
-        self._path, self._rows = path, 0
-        self._first_ns = self._last_ns = 0
-        self._file = GrowingFile(path, name='record', overwrite=overwrite)
-        self._file.write(','.join(COLUMNS + (TRUTH if start[0].truth else ())) + '\n')
+        super().__init__(path, name='record', overwrite=overwrite)
+        self._rows = self._first_ns = self._last_ns = 0
+        self.write(','.join(COLUMNS + (TRUTH if start[0].truth else ())) + '\n')
 
     def note(self, moments: Sequence[Moment]) -> None:
         """Add a row."""
@@ -64,7 +63,7 @@ class DriveTable:
         time_ns, belief, truth = moment.time_ns, moment.belief, moment.truth
         self._first_ns, self._last_ns = self._first_ns if self._rows else time_ns, time_ns
         seconds, nanoseconds = divmod(time_ns, 10**9)
-        self._file.write(','.join([
+        self.write(','.join([
             f'{seconds}.{nanoseconds:09d}',
             *(f'{value:.12g}' for value in (
                 *belief.angles, *belief.twist, *belief.pose, *(truth or ())))]) + '\n')
@@ -76,9 +75,4 @@ class DriveTable:
 
     def close(self) -> str:
         """Complete the file, and return a line that says so; ``ValueError`` if that cannot be."""
-        kept = beside(self._path, self._file.close())
-        return f'recorded {self._rows} rows in {kept}'
-
-    def discard(self) -> None:
-        """Leave nothing of a file that is not complete."""
-        self._file.discard()
+        return f'recorded {self._rows} rows in {beside(self._path, super().close())}'

@@ -18,6 +18,7 @@ from typing import List, NamedTuple, Sequence, Union
 
 from diffdrive_kinematics.core.commands import Waypoints
 from diffdrive_kinematics.core.kinematics import check_finite, Pose
+from diffdrive_kinematics.ros.parameters.from_values import triples
 
 
 class Task(NamedTuple):
@@ -43,9 +44,7 @@ class Seen(NamedTuple):
 
 def goals_from(numbers: Sequence[float]) -> List[Pose]:
     """Return the goals of a flat list of x, y, yaw, or raise ``ValueError``."""
-    if len(numbers) % 3:
-        raise ValueError(
-            f'goals has {len(numbers)} numbers, expected three for each goal: x, y, yaw')
+    goals = [Pose(*three) for three in triples('goals', numbers, 'goal: x, y, yaw')]
     for number in numbers:
         check_finite('goals', number)
-    return [Pose(*numbers[i:i + 3]) for i in range(0, len(numbers), 3)]
+    return goals

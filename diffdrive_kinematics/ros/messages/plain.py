@@ -21,7 +21,8 @@ without objects; :mod:`~diffdrive_kinematics.ros.messages.codec` decides which o
 """
 
 from typing import (
-    Any, Callable, Iterable, MutableSequence, NamedTuple, Optional, Sequence, Tuple, Union)
+    Any, Callable, Iterable, Mapping, MutableSequence, NamedTuple, Optional, Sequence, Tuple,
+    Union)
 
 from diffdrive_kinematics.core.kinematics import NANOSECONDS, Pose
 from diffdrive_kinematics.core.noise import PoseCovariance, TwistCovariance
@@ -76,6 +77,12 @@ class TwistCodec:
 
     def __init__(self, frame_id: Optional[str]) -> None:
         self._frame_id = frame_id
+        self.message_type = Twist if frame_id is None else TwistStamped
+
+    @classmethod
+    def of(cls, values: Mapping[str, Any]) -> 'TwistCodec':
+        """Return the codec of the commands of a node, by the values of its parameters."""
+        return cls(values['base_frame_id'] if values['enable_stamped_cmd_vel'] else None)
 
     def encode(self, stamp_ns: int, v: float, w: float) -> Union[Twist, TwistStamped]:
         """Return the message with a stamp, where it has one, and a twist [m/s, rad/s]."""
@@ -87,12 +94,10 @@ class TwistCodec:
 
     def decode(self, message: Union[bytes, Twist, TwistStamped]) -> StampedTwist:
         """Return what the message commands, whatever its frame."""
-        if self._frame_id is None:
-            twist, stamp_ns = as_message(message, Twist), 0
-        else:
-            stamped = as_message(message, TwistStamped)
-            twist, stamp_ns = stamped.twist, nanoseconds(stamped.header.stamp)
-        return StampedTwist(stamp_ns, twist.linear.x, twist.angular.z)
+        read, stamp_ns = as_message(message, self.message_type), 0
+        if self._frame_id is not None:
+            read, stamp_ns = read.twist, nanoseconds(read.header.stamp)
+        return StampedTwist(stamp_ns, read.linear.x, read.angular.z)
 
 
 class JointStateCodec:

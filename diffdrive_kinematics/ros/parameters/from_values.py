@@ -63,11 +63,15 @@ def session_spread(values: Values) -> SessionSpread:
 
 def commands_from(numbers: Sequence[float]) -> List[Command]:
     """Return the commands of a flat list of v, omega, duration; ``ValueError`` if it is none."""
+    each = 'command: v, omega, duration'
+    return [Command(*three) for three in triples('commands', numbers, each)]
+
+
+def triples(name: str, numbers: Sequence[float], each: str) -> List[Sequence[float]]:
+    """Return a flat list three by three; ``ValueError`` names it, and what three are for."""
     if len(numbers) % 3:
-        raise ValueError(
-            f'commands has {len(numbers)} numbers, expected three for each command: v, omega, '
-            'duration')
-    return [Command(*numbers[i:i + 3]) for i in range(0, len(numbers), 3)]
+        raise ValueError(f'{name} has {len(numbers)} numbers, expected three for each {each}')
+    return [numbers[i:i + 3] for i in range(0, len(numbers), 3)]
 
 
 def check_wiring(values: Values, source: str, outputs: Tuple[str, ...]) -> None:
