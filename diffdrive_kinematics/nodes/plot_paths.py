@@ -84,8 +84,7 @@ def picture_of(config: Config) -> Picture:
         boundaries, _title(config), travels)
 
 
-def _beliefs(
-        start: Pose, config: Config) -> Tuple[List[Pose], List[PoseMoments], List[float]]:
+def _beliefs(start: Pose, config: Config) -> Tuple[List[Pose], List[PoseMoments], List[float]]:
     """Return pose and moments after each step, and its travel; the bias is part of them."""
     gains = [1.0 + slip.bias for slip in config.slips]
     variances = [slip.variance / gain for slip, gain in zip(config.slips, gains)]

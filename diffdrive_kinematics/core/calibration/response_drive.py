@@ -130,8 +130,7 @@ def with_commands_joined(geometry: WheelGeometry, drive: RecordedDrive) -> Recor
     return replace(drive, time=drive.time[kept], angles=drive.angles[kept])
 
 
-def reference_motion(
-        drive: RecordedDrive, start: Indices, end: Indices, frame: Array) -> Array:
+def reference_motion(drive: RecordedDrive, start: Indices, end: Indices, frame: Array) -> Array:
     """
     Return how the robot moved between samples of the reference, in the frame of the start.
 

@@ -211,8 +211,7 @@ def response_errors(
     array([-0.25, -0.25, -0.25])
 
     """
-    return np.concatenate([
-        _errors(geometry, part, fitted) for part in _parts(drives, windows)])
+    return np.concatenate([_errors(geometry, part, fitted) for part in _parts(drives, windows)])
 
 
 def _parts(drives: Sequence[RecordedDrive], windows: Windows = COMMANDED) -> List[_Part]:
@@ -226,8 +225,7 @@ def _parts(drives: Sequence[RecordedDrive], windows: Windows = COMMANDED) -> Lis
 
 def _part(drive: RecordedDrive, windows: Windows) -> _Part:
     """Return the windows of a drive, and the drive with the samples of the reference they need."""
-    start, end, in_gaps = windows_between(
-        drive, windows.lengths, windows.every, windows.tolerance)
+    start, end, in_gaps = windows_between(drive, windows.lengths, windows.every, windows.tolerance)
     rows, at = np.unique(np.concatenate([start, end]), return_inverse=True)
     return (
         replace(drive, reference_time=drive.reference_time[rows], reference=drive.reference[rows]),
