@@ -129,11 +129,10 @@ class DiffDriveController(DiffDriveNode[Config]):
 
     def _tick(self) -> None:
         now_ns = self._step()
-        command = self._drive.command_at(now_ns)
-        passed_ns = command.stamp_ns - self._out.last_ns
+        passed_ns = max(now_ns, self._drive.since_ns) - self._out.last_ns
         said = self.health.sent > self._sent_by_tick
         if passed_ns and not (said and passed_ns < self._timer.timer_period_ns):
-            self._out.publish([command])
+            self._out.publish([self._drive.command_at(now_ns)])
         self._sent_by_tick = self.health.sent
         if not self.health.statistics.count:
             self.commands.look_for_others(now_ns)

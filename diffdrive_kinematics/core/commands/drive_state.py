@@ -211,7 +211,7 @@ class DriveState(NamedTuple):
         """Return the drive with other wheel rates from ``time_ns`` on, and the change."""
         left, right = self._angles(time_ns)
         drive = self._replace(since_ns=time_ns, rates=rates, left=left, right=right)
-        return drive, [drive.command_at(time_ns)]
+        return drive, [WheelCommand(time_ns, rates, (left.value, right.value), self.twist)]
 
     def _on_grid_from(self: D, now_ns: int, old_period_ns: int) -> D:
         """Go on ramping, a step of another length after the last one, at the acceleration."""

@@ -164,13 +164,13 @@ class LeanBase:
             twist = twist_from_wheel_rates(geometry, *rates)
             if not is_sane(distance, turn, *twist):
                 return False
-            moments = anchor.moments
+            x, y, theta, moments, _ = anchor
+            heading = anchor.heading
+            dx, dy = displacement(heading, distance, turn)
             if not self._certain and (left_angle or right_angle):
-                heading = anchor.heading
-                moments = followed(
-                    moments, heading, complex(*displacement(heading, distance, turn)),
-                    self._arc_moments(left_angle, right_angle, swings=True))
-            self._anchor = anchor.moved(distance, turn, moments)
+                moments = followed(moments, heading, complex(dx, dy), self._arc_moments(
+                    left_angle, right_angle, swings=True))
+            self._anchor = Anchor(x.plus(dx), y.plus(dy), theta.plus(turn), moments)
             self._at_rest, self._new_rates = None, True
             self._left, self._right = self._left.plus(left_angle), self._right.plus(right_angle)
             self._anchor_ns, self._held, self._twist = stamp_ns, rates, twist
