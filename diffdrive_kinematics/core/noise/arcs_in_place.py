@@ -20,8 +20,10 @@ from diffdrive_kinematics.core.kinematics import Array, WheelGeometry
 from diffdrive_kinematics.core.noise.columns import Columns
 from diffdrive_kinematics.core.noise.distributions import draw_unit
 from diffdrive_kinematics.core.noise.half_angles import fill_half_angles, fill_sincs
+from diffdrive_kinematics.core.noise.normals import fill_normals
 from diffdrive_kinematics.core.noise.step_noise import StepNoise
 import numpy as np
+from numpy.typing import NDArray
 
 
 def move_chunk(
@@ -42,8 +44,8 @@ def move_chunk(
         Of the step.
     generator : numpy.random.Generator
         Source of randomness.
-    work : numpy.ndarray, shape (6, n)
-        Work space; overwritten.
+    work : numpy.ndarray, shape (8, n)
+        Work space; overwritten.  Its rows follow each other in memory.
     distributions : pair of str
         Of the slip of the wheels (left, right).
 
@@ -55,12 +57,12 @@ def move_chunk(
     >>> moved, geometry = Columns(*np.zeros((3, 1))), WheelGeometry(0.5, 0.125)
     >>> noise = step_noise(1.0, 1.0, geometry, WheelSlip(), WheelSlip())
     >>> move_chunk(Columns(*np.zeros((3, 1))), moved, geometry, noise, np.random.default_rng(1),
-    ...            np.empty((6, 1)), ('gaussian', 'gaussian'))
+    ...            np.empty((8, 1)), ('gaussian', 'gaussian'))
     >>> round(float(moved.x[0]), 9)
     1.0
 
     """
-    left, right, lateral, distance, spare, _ = work
+    left, right, lateral, distance, spare = work[:5]
     _draw_errors(noise, generator, work, distributions)
     np.add(left, right, out=distance)
     distance *= geometry.separation
@@ -69,24 +71,24 @@ def move_chunk(
     right += noise.half_turn
     if noise.body:
         for place, stddev in zip((distance, right, lateral), noise.body[:3]):
-            _draw(noise.body.distribution, generator, spare)
+            _draw(noise.body.distribution, generator, spare, work[5:])
             spare *= stddev
             place += spare
-    move_arcs(poses, moved, right, distance, lateral, left, *work[4:])
+    move_arcs(poses, moved, right, distance, lateral, left, *work[4:6])
 
 
 def _draw_errors(
         noise: StepNoise, generator: 'np.random.Generator', work: Array,
         distributions: Tuple[str, str]) -> None:
     """Write the errors: of the half turn by either wheel [rad], and to the side [m]."""
-    left, right, lateral, side, _, _ = work
+    left, right, lateral, side = work[:4]
     if distributions == ('gaussian', 'gaussian'):
-        generator.standard_normal(out=work[:3])
+        fill_normals(generator, work[:3].reshape(-1), _floats(work[3:]))
         lateral *= np.sqrt(noise.lateral_left**2 + noise.lateral_right**2)
     else:
         for name, error, to_side in zip(distributions, (left, right), (lateral, side)):
-            _draw(name, generator, error)
-            _draw(name, generator, to_side)
+            _draw(name, generator, error, work[4:])
+            _draw(name, generator, to_side, work[4:])
         lateral *= noise.lateral_left
         side *= noise.lateral_right
         lateral += side
@@ -94,11 +96,17 @@ def _draw_errors(
     right *= noise.right
 
 
-def _draw(distribution: str, generator: 'np.random.Generator', draws: Array) -> None:
+def _draw(
+        distribution: str, generator: 'np.random.Generator', draws: Array, work: Array) -> None:
     if distribution == 'gaussian':
-        generator.standard_normal(out=draws)
+        fill_normals(generator, draws, _floats(work))
     else:
         draws[:] = draw_unit(distribution, generator, len(draws))
+
+
+def _floats(work: Array) -> NDArray[np.float32]:
+    """Return the memory of rows as float32."""
+    return work.reshape(-1).view(np.float32)
 
 
 def move_arcs(

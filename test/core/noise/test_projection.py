@@ -23,6 +23,7 @@ import tracemalloc
 from diffdrive_kinematics.core.kinematics import (
     advance, Command, Pose, pose_change_from_travel, poses_along, WheelGeometry)
 from diffdrive_kinematics.core.noise import DISTRIBUTIONS, slip_covariance, WheelSlip
+from diffdrive_kinematics.core.noise.normals import fill_normals
 from diffdrive_kinematics.core.noise.projection import (
     MOST_THREADS, propagate, ROWS, sample_paths, travel_of_command)
 import numpy as np
@@ -121,7 +122,8 @@ def test_a_step_is_that_of_five_lines_of_numpy_with_the_same_normals(d_left, d_r
     x, y, theta = poses = Pose(*np.random.default_rng(1).uniform(-1.0, 1.0, (3, n)))
     poses = poses._replace(theta=size * theta)
     bits = np.random.SFC64(np.random.SeedSequence((2, 5, 3), spawn_key=(0,)))
-    normals = np.random.Generator(bits).standard_normal((3, n))
+    normals = np.empty((3, n))
+    fill_normals(np.random.Generator(bits), normals.reshape(-1), np.empty(8 * n, np.float32))
     left, right = (
         (1.0 + slip.bias) * d + math.sqrt(slip.variance * abs(d)) * z
         for slip, d, z in zip((LEFT, RIGHT), (d_left, d_right), normals))
