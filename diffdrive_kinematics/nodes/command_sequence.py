@@ -170,16 +170,16 @@ class CommandSequence(DiffDriveNode[Config]):
             self._next, self._start_ns = 0, self._start_ns + self._course.length_ns
         return sent
 
-    def ready(self) -> bool:
-        """Return whether every topic to wait for exists and is listened to."""
+    def awaited_topics(self) -> Set[str]:
+        """Return the topics to wait for that nobody publishes yet; the others are listened to."""
         for topic, types in self.get_topic_names_and_types():
             if topic in self._unanswered - set(self._answers) - self._unknown:
                 self._listen(topic, types[0])
-        return self._unanswered <= set(self._answers)
+        return self._unanswered - set(self._answers)
 
     def _has_answers(self) -> bool:
         """Return whether somebody listens and all topics to wait for have answered."""
-        self.ready()
+        self.awaited_topics()
         if not self._unanswered and self._publisher.get_subscription_count() > 0:
             for subscription in self._answers.values():
                 self.runtime.unlisten(subscription)

@@ -25,7 +25,7 @@ import os
 import sys
 import threading
 import time
-from typing import Dict, List, Sequence, Tuple
+from typing import Callable, Dict, List, Sequence, Tuple
 
 from rclpy.executors import Executor, SingleThreadedExecutor
 
@@ -173,9 +173,17 @@ class Rest:
         self._own = Threads(os.getpid()) if self.can_tell else None
         self._newest = os.open(NEWEST, os.O_RDONLY) if self.can_tell else -1
 
-    def reached(self, others: Sequence[Threads]) -> bool:
-        """Return whether nothing was left to do; what there was in this process is done now."""
-        return self.asleep([*others, self._own]) and not self._work_off()
+    def reached(self, others: Sequence[Threads], deliver: Callable[[], None]) -> bool:
+        """
+        Return whether nothing was left to do; what there was in this process is done now.
+
+        What that makes the nodes of this process say to each other is for ``deliver``.
+        """
+        while self.asleep([*others, self._own]):
+            if not self._work_off():
+                return True
+            deliver()
+        return False
 
     def asleep(self, groups: Sequence[Threads]) -> bool:
         """Return whether there was a moment at which all of these threads slept."""

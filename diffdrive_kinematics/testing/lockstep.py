@@ -18,19 +18,24 @@ Lockstep for a node under test: it tells when it has nothing more to do at a tim
 Outside of a test nobody listens, and :func:`spin` does what ``rclpy.spin`` does.
 """
 
+from typing import Any, List, Optional, Sequence
+
+from rclpy.clock import JumpThreshold
+from rclpy.duration import Duration
 from rclpy.executors import (
     ExternalShutdownException, SingleThreadedExecutor, TimeoutException, TimeoutObject)
 from rclpy.node import Node
-from rclpy.qos import QoSProfile, ReliabilityPolicy
-from rclpy.time import Time
-from rosgraph_msgs.msg import Clock
+from rclpy.qos import DurabilityPolicy, QoSProfile
 from std_msgs.msg import Header
 
-__all__ = ['IDLE_TOPIC', 'spin']
+__all__ = ['IDLE_QOS', 'IDLE_TOPIC', 'spin']
 
 IDLE_TOPIC = '/diffdrive_lockstep'
-CLOCK_QOS = QoSProfile(depth=10, reliability=ReliabilityPolicy.BEST_EFFORT)
-WAIT_S = 0.1
+IDLE_QOS = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+"""Who comes to listen late has the last acknowledgement."""
+
+ANY_JUMP = JumpThreshold(
+    min_forward=Duration(nanoseconds=1), min_backward=Duration(nanoseconds=-1))
 
 
 def spin(node: Node) -> None:
@@ -45,20 +50,20 @@ def spin(node: Node) -> None:
     """
     executor = SingleThreadedExecutor(context=node.context)
     executor.add_node(node)
-    publisher = node.create_publisher(Header, IDLE_TOPIC, 10)
-    times, patience = [], _Patience()
-    node.create_subscription(Clock, '/clock', lambda message: times.append(message.clock),
-                             CLOCK_QOS)
+    publisher = node.create_publisher(Header, IDLE_TOPIC, IDLE_QOS)
+    clock, patience = node.get_clock(), _Patience()
+    times: List[Any] = [clock.now()]  # not acknowledged yet
+    jumps = clock.create_jump_callback(
+        ANY_JUMP, post_callback=lambda _: times.append(clock.now()))
     try:
         while node.context.ok():
-            _work_off(executor, patience)
-            now_ns = node.get_clock().now().nanoseconds
-            if times and Time.from_msg(times[-1]).nanoseconds == now_ns:
-                publisher.publish(Header(stamp=times[-1], frame_id=_described(node)))
-                times.clear()
+            _work_off(executor, patience, times)
+            publisher.publish(Header(stamp=times[-1].to_msg(), frame_id=_described(node)))
+            times.clear()
     except (ExternalShutdownException, KeyboardInterrupt):
         pass
     finally:
+        jumps.unregister()
         executor.shutdown()
 
 
@@ -70,18 +75,25 @@ class _Patience(TimeoutObject):
     """
 
     def __init__(self) -> None:
-        self.seconds, self.looks = 0.0, 0
+        self.seconds: Optional[float] = None
+        self.looks = 0
 
     @property
-    def timeout(self) -> float:
+    def timeout(self) -> Optional[float]:
         self.looks += 1
         return self.seconds
 
 
-def _work_off(executor: SingleThreadedExecutor, patience: _Patience) -> None:
-    """Wait for something to do, and do all that there is, in the order of ``rclpy.spin``."""
-    patience.seconds, looks = WAIT_S, 0
+def _work_off(
+        executor: SingleThreadedExecutor, patience: _Patience, times: Sequence[Any]) -> None:
+    """
+    Do what there is to do, in the order of ``rclpy.spin``, until a time can be acknowledged.
+
+    While there is none, nobody asks whether there is nothing left.
+    """
+    looks = patience.looks
     while True:
+        patience.seconds = 0.0 if times else None
         try:
             handler, _, _ = executor.wait_for_ready_callbacks(timeout_sec=patience)
         except TimeoutException:
@@ -91,11 +103,11 @@ def _work_off(executor: SingleThreadedExecutor, patience: _Patience) -> None:
         handler()
         if handler.exception() is not None:
             raise handler.exception()
-        patience.seconds, looks = 0.0, patience.looks
+        looks = patience.looks
 
 
 def _described(node: Node) -> str:
-    """Return the name of a node, and how many topics it listens to and publishes."""
-    topics = [len({each.topic_name for each in ends})
-              for ends in (node.subscriptions, node.publishers)]
-    return f'{node.get_namespace()} {node.get_name()} {topics[0]} {topics[1]}'
+    """Return the name of a node, the topics to which it listens, and those that it publishes."""
+    topics = (','.join(each.topic_name for each in ends)
+              for ends in (node.subscriptions, node.publishers))
+    return f"{node.get_fully_qualified_name()} {' '.join(topics)}"

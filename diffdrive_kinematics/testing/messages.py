@@ -14,18 +14,20 @@
 
 """The messages of a robot under test: all are kept, and may be lost or late where told so."""
 
-from collections import Counter, defaultdict
-from heapq import heappop, heappush
+from collections import Counter, defaultdict, deque
 from itertools import count
-import random
-from typing import Any, Callable, Dict, List, NamedTuple, Tuple
+from typing import Any, Callable, Deque, Dict, List, NamedTuple, Optional, Tuple
 
 from diffdrive_kinematics.ros.messages.tf_message_type import tf_message_type
 from diffdrive_kinematics.ros.runtime.clocks import SteppedClock
 from diffdrive_kinematics.ros.runtime.in_flight_messages import InFlightMessages
+from diffdrive_kinematics.ros.runtime.rclpy_private import MessageInfo
+from diffdrive_kinematics.testing.disturbances import Disturbances
 from rclpy.node import Node
 from rclpy.publisher import Publisher
+from rclpy.qos import DurabilityPolicy
 from rclpy.serialization import deserialize_message, serialize_message
+from rclpy.subscription import Subscription
 
 __all__ = ['Recorded', 'RecordedMessages']
 
@@ -37,9 +39,25 @@ class Recorded(NamedTuple):
     message: Any
 
 
+class _Listener:
+    """A subscription of this process, and what it is to hear of this process."""
+
+    def __init__(self, callback: Callable[..., None], informed: bool) -> None:
+        self.callback, self.informed = callback, informed
+        self.subscription: Optional[Subscription] = None
+        self.expected: Dict[bytes, Deque[int]] = {}  # numbers of what the middleware brings
+
+    def read(self, data: bytes) -> Any:
+        """Return a message as the subscription hands it on."""
+        subscription = self.subscription
+        return data if subscription.raw else deserialize_message(data, subscription.msg_type)
+
+
 class RecordedMessages(InFlightMessages):
     """
     Counts the messages on their way between the nodes of a robot, keeps and disturbs them.
+
+    What is said to nobody but nodes of this process does not pass through the middleware.
 
     Parameters
     ----------
@@ -55,70 +73,96 @@ class RecordedMessages(InFlightMessages):
         self._kept: Dict[str, List[Tuple[int, bytes]]] = defaultdict(list)
         self._read: Dict[str, List[Recorded]] = defaultdict(list)  # of them, what was asked for
         self.arrived: 'Counter[str]' = Counter()  # from other processes
-        self._losses: Dict[str, Tuple[float, random.Random]] = {}
-        self._delays: Dict[str, int] = {}
-        self._late: List[Tuple[int, int, Callable[[], None]]] = []
-        self._number = count()
-        self._made: List[str] = []
+        self.disturbances = Disturbances(clock)
         self.count_publishers: Callable[[str], int] = lambda topic: 0  # in the graph
-        self._own: Dict[str, List['Counter[bytes]']] = defaultdict(list)  # on the way, by listener
+        self._heard_by: Dict[str, List[_Listener]] = defaultdict(list)
+        self._made: Optional[_Listener] = None
+        self._here: Deque[Tuple[str, _Listener, bytes, int]] = deque()  # said to this process
 
-    def listeners_made(self) -> List[str]:
-        """Return the topics of the subscriptions that were made since the last call."""
-        made, self._made = self._made, []
-        return made
-
-    def counted(self, topic: str, callback: Callable[..., None]) -> Callable[..., None]:
+    def counted(
+            self, topic: str, callback: Callable[..., None], *,
+            informed: bool = False) -> Callable[..., None]:
         """Return the callback of a subscription; what comes from elsewhere is kept."""
-        first = not self._listeners[topic]
-        self._made.append(topic)
         counting = super().counted(topic, callback)
-        own: 'Counter[bytes]' = Counter()
-        self._own[topic].append(own)
+        self._made = listener = _Listener(counting, informed)
+        self._heard_by[topic].append(listener)
 
-        def hear(*message: Any) -> None:
-            if self._take_own(topic, own, message[0]):  # kept where it was sent
-                return counting(*message)
-            if first:
+        def hear(message: Any, *info: MessageInfo) -> None:
+            number = self._take_own(topic, listener.expected, message)
+            if number:  # kept where it was sent
+                return counting(message, *(MessageInfo(number) for _ in info))
+            if self._heard_by[topic][0] is listener:
                 self.arrived[topic] += 1
-                self._keep(topic, _bytes_of(message[0]))
-            self._hand_on(topic, lambda: hand_on(message))
+                self._keep(topic, _bytes_of(message))
+            self.disturbances.hand_on(topic, lambda: hand_on(message, *info))
 
-        def hand_on(message: Any) -> None:
+        def hand_on(message: Any, *info: MessageInfo) -> None:
             self._in_flight[topic] += 1  # it was not counted as sent
-            counting(*message)
+            counting(message, *info)
 
         return hear
+
+    def add_listener(self, subscription: Subscription) -> None:
+        """Note which subscription has the callback that was counted last."""
+        self._made.subscription = subscription
+
+    def remove_listener(self, subscription: Subscription) -> None:
+        """Note that a subscription of this process is gone."""
+        super().remove_listener(subscription)
+        topic = subscription.topic_name
+        self._heard_by[topic] = [
+            each for each in self._heard_by[topic] if each.subscription is not subscription]
 
     def forget(self) -> None:
         """Start counting anew: what was lost on its way will not come."""
         super().forget()
-        for listeners in self._own.values():
-            for own in listeners:
-                own.clear()
+        for listeners in self._heard_by.values():
+            for listener in listeners:
+                listener.expected.clear()
+
+    def settled(self) -> bool:
+        """Return whether nothing is on its way."""
+        return not self._here and super().settled()
+
+    def hand_over(self) -> None:
+        """Have this process hear what it has said to itself, and all that this causes."""
+        while self._here:
+            topic, listener, data, number = self._here.popleft()
+            if listener in self._heard_by[topic]:
+                self._in_flight[topic] += 1
+                listener.callback(
+                    listener.read(data), *[MessageInfo(number)] * listener.informed)
 
     def count_sent(self, publisher: Publisher, node: str) -> None:
         """Count and keep what a publisher sends from now on."""
         super().count_sent(publisher, node)
-        topic, counted = publisher.topic_name, publisher.publish
+        topic, counted, numbers = publisher.topic_name, publisher.publish, count(1)
+        lasts = publisher.qos_profile.durability == DurabilityPolicy.TRANSIENT_LOCAL
+        listeners = self._heard_by
         self._types[topic] = publisher.msg_type
 
         def publish(message: Any) -> None:
             data = self._keep(topic, _bytes_of(message))  # nodes use their messages again
-            self._hand_on(topic, lambda: send(data))
+            number = next(numbers)
+            self.disturbances.hand_on(topic, lambda: send(data, number))
 
-        def send(data: bytes) -> None:
-            for own in self._own[topic]:
-                own[data] += 1
-            counted(data)
+        def send(data: bytes, number: int) -> None:
+            if lasts or publisher.get_subscription_count() > len(listeners[topic]):
+                for listener in listeners[topic]:
+                    listener.expected.setdefault(data, deque()).append(number)
+                counted(data)
+            else:
+                self._here.extend(
+                    (topic, listener, data, number) for listener in listeners[topic])
 
         publisher.publish = publish
 
-    def forget_node(self, node: Node, topics: List[str]) -> None:
+    def forget_node(self, node: Node) -> None:
         """Count no more for a node that is gone."""
         name = node.get_fully_qualified_name()
-        for topic in topics:
-            self.remove_listener(topic)
+        for listener in [each for listeners in self._heard_by.values() for each in listeners]:
+            if listener.subscription in set(node.subscriptions):
+                self.remove_listener(listener.subscription)
         for publisher in [each for each in self.publishers if each in set(node.publishers)]:
             self.publishers.remove(publisher)
             self._owners[publisher.topic_name].remove(name)
@@ -141,47 +185,23 @@ class RecordedMessages(InFlightMessages):
                  for time_ns, data in kept[len(read):]]
         return list(read)
 
-    def lose(self, topic: str, share: float, seed: int) -> None:
-        """Lose a share of what is sent on a topic from now on."""
-        if not 0.0 <= share <= 1.0:
-            raise ValueError(f'share is {share!r}, expected from 0 to 1')
-        self._losses[topic] = share, random.Random(seed)
-
-    def delay(self, topic: str, delay_ns: int) -> None:
-        """Hand on later what is sent on a topic from now on."""
-        if delay_ns < 0:
-            raise ValueError(f'the delay is {delay_ns / 1e9!r} s, expected 0 or above')
-        self._delays[topic] = delay_ns
-
-    def hand_on_late(self) -> bool:
-        """Hand on what was delayed until now; return whether something was."""
-        handed = False
-        while self._late and self._late[0][0] <= self._clock.now_ns():
-            heappop(self._late)[2]()
-            handed = True
-        return handed
-
-    def clock_stepped(self, step_ns: int) -> None:
-        """Let what is late come as late as it would have."""
-        self._late = [(due + step_ns, number, send) for due, number, send in self._late]
-
-    def _take_own(self, topic: str, own: 'Counter[bytes]', message: Any) -> bool:
-        """Return whether a message is one that was sent here, and wait for it no more."""
-        if not own:
-            return False
-        if self._only_own(topic):
-            data = next(iter(own))
-        elif isinstance(message, bytes):
+    def _take_own(self, topic: str, expected: Dict[bytes, Deque[int]], message: Any) -> int:
+        """Return the number of a message that was sent here, and wait for it no more; else 0."""
+        if not expected:
+            return 0
+        if isinstance(message, bytes):
             data = message
+        elif self._only_own(topic):
+            data = next(iter(expected))
         else:
-            data = next((each for each in own if repr(
+            data = next((each for each in expected if repr(
                 deserialize_message(each, self._types[topic])) == repr(message)), b'')
-        if data not in own:
-            return False
-        own[data] -= 1
-        if not own[data]:
-            del own[data]
-        return True
+        if data not in expected:
+            return 0
+        number = expected[data].popleft()
+        if not expected[data]:
+            del expected[data]
+        return number
 
     def _only_own(self, topic: str) -> bool:
         """Return whether nobody else in the graph publishes a topic."""
@@ -191,16 +211,6 @@ class RecordedMessages(InFlightMessages):
     def _keep(self, topic: str, data: bytes) -> bytes:
         self._kept[topic].append((self._clock.now_ns(), data))
         return data
-
-    def _hand_on(self, topic: str, send: Callable[[], None]) -> None:
-        share, dice = self._losses.get(topic, (0.0, None))
-        if dice and dice.random() < share:
-            return
-        delay_ns = self._delays.get(topic, 0)
-        if delay_ns:
-            heappush(self._late, (self._clock.now_ns() + delay_ns, next(self._number), send))
-        else:
-            send()
 
 
 def _bytes_of(message: Any) -> bytes:

@@ -17,7 +17,7 @@
 import math
 import os
 import tempfile
-from typing import Any, Dict, List, Mapping, NamedTuple, Tuple
+from typing import Any, Dict, List, Mapping, NamedTuple
 
 from diffdrive_kinematics.nodes.diffdrive_sim import node_class
 from diffdrive_kinematics.ros.parameters.members import Member
@@ -63,7 +63,7 @@ class RobotNodes:
     def __init__(self, made: Composition) -> None:
         self._members = {_path(member): member for member in made.members}
         self._live: Dict[str, Any] = {}
-        self._parts: Dict[str, Tuple[List[Any], List[str]]] = {}
+        self._timers: Dict[str, List[Any]] = {}
         self.executor: Any = None
         self._context = rclpy.Context()
         self._range = os.environ.get(RANGE)
@@ -99,15 +99,15 @@ class RobotNodes:
             stepped=self.clock, in_flight=self.messages,
             neighbours=[each.name for each in self._members.values()])
         self._live[_path(member)] = node
-        self._parts[_path(member)] = (
-            [timer for timer in self.clock.timers if timer not in timers],
-            self.messages.listeners_made())
+        self._timers[_path(member)] = [each for each in self.clock.timers if each not in timers]
         self.messages.know_types(node)
         self.executor.add_node(node)
 
     def ready(self) -> bool:
-        """Return whether the nodes hear each other."""
-        return self.messages.matched() and all(node.ready() for node in self._live.values())
+        """Return whether the nodes hear each other; topics of processes may come later."""
+        own = {publisher.topic_name for publisher in self.messages.publishers}
+        awaited = [node.awaited_topics() for node in self._live.values()]
+        return self.messages.matched() and own.isdisjoint(set().union(*awaited))
 
     def of(self, *kinds: str) -> List[Any]:
         """Return the nodes of some kinds that are alive."""
@@ -126,10 +126,9 @@ class RobotNodes:
     def kill(self, name: str) -> None:
         """End a node at once, as a crash does."""
         node = self._live.pop(_known(name, self._live))
-        timers, topics = self._parts.pop(name)
-        for timer in timers:
+        for timer in self._timers.pop(name):
             timer.cancel()
-        self.messages.forget_node(node, topics)
+        self.messages.forget_node(node)
         self.executor.remove_node(node)
         node.destroy_node()
 

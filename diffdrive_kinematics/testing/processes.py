@@ -56,7 +56,7 @@ class Process:
             self, command: Sequence[str], environment: Mapping[str, str], *, name: str,
             lockstep: bool, restless: bool = False) -> None:
         self.name, self.lockstep, self.restless = name, lockstep, restless
-        self.acknowledged_ns = -1
+        self._to_end = False
         self.shared_memory: Set[str] = set()
         self._file = tempfile.TemporaryFile(mode='w+')
         self._popen = subprocess.Popen(
@@ -87,8 +87,8 @@ class Process:
         return self._file.read()
 
     def check(self) -> None:
-        """Raise ``ProcessFailed`` if it has ended with an error."""
-        if self.status:
+        """Raise ``ProcessFailed`` if it has ended with an error, and was not to end."""
+        if self.status and not self._to_end:
             raise ProcessFailed(self.describe(f'ended with status {self.status}'))
 
     def describe(self, what: str) -> str:
@@ -117,6 +117,7 @@ class Process:
     def _end(self, number: int) -> bool:
         self.note_shared_memory()
         if self.running:
+            self._to_end = True
             self._signal(number)
         try:
             self._popen.wait(PATIENCE_S)

@@ -20,17 +20,16 @@ from typing import Any, Callable, List, Mapping, Optional, Sequence, Union
 
 from diffdrive_kinematics.testing.composition import composition
 from diffdrive_kinematics.testing.guardian import Guardian
-from diffdrive_kinematics.testing.messages import Recorded
 from diffdrive_kinematics.testing.nodes import BASES, RobotNodes, State, topic_of
 from diffdrive_kinematics.testing.processes import environment_of, Process
 from diffdrive_kinematics.testing.stepping import Stepping
+from diffdrive_kinematics.testing.topics import Topics
 from geometry_msgs.msg import Twist, TwistStamped
-from rclpy.duration import Duration
 
-HEARD_S = 10.0
+__all__ = ['Robot']
 
 
-class Robot:
+class Robot(Topics):
     """
     A robot of the package's nodes on stepped time, in a ROS domain of its own.
 
@@ -53,17 +52,14 @@ class Robot:
             params: Optional[Mapping[str, Any]] = None, noise: Optional[Mapping[str, Any]] = None,
             clock_step: Optional[float] = None) -> None:
         made = composition(config, params or {}, noise or {}, clock_step)
-        self._publishers: 'dict[str, Any]' = {}
-        self._clients: 'dict[str, Any]' = {}
         self._processes: List[Process] = []
         self._nodes = RobotNodes(made)
         self._guardian = Guardian()
-        self._observer, self._messages = self._nodes.observer, self._nodes.messages
         self.domain = self._nodes.domain
-        self._stepping = Stepping(
-            self._observer, self._nodes.executor, self._nodes.clock, self._messages, made.step_ns)
+        self._stepping = Stepping(self._nodes, made.step_ns)
+        super().__init__(self._nodes, self._stepping)
         try:
-            self._stepping.wait(self._nodes.ready, 'hear itself', [])
+            self._settle()
         except BaseException:
             self.close()
             raise
@@ -82,45 +78,6 @@ class Robot:
     def truth(self) -> State:
         """Return where the robot is."""
         return self._nodes.state(noisy=True)
-
-    def history(self, topic: str) -> List[Recorded]:
-        """Return all messages of a topic so far, each with its simulated time [s]."""
-        return self._messages.history(self._observer.resolve_topic_name(topic))
-
-    def listen(self, message_type: type, topic: str) -> None:
-        """Keep the messages of a topic to which no node of the robot listens."""
-        name = self._observer.resolve_topic_name(topic)
-        self._observer.create_subscription(
-            message_type, topic, self._messages.counted(name, lambda message: None), 1000)
-        self._messages.know_types(self._observer)
-        self._stepping.wait(self._stepping.all_matched, 'be heard', [])
-
-    def publish(self, topic: str, message: Any) -> None:
-        """Publish a message; whoever listens in the graph has it before time goes on."""
-        name = self._observer.resolve_topic_name(topic)
-        if name not in self._publishers:
-            publisher = self._observer.create_publisher(type(message), topic, 100)
-            self._messages.count_sent(publisher, self._observer.get_fully_qualified_name())
-            self._publishers[name] = publisher
-            self._stepping.wait(
-                lambda: publisher.get_subscription_count() >= max(
-                    1, self._observer.count_subscribers(name)),
-                f'find who listens to {topic!r}', [], timeout=HEARD_S)
-        self._publishers[name].publish(message)
-        if not self._publishers[name].wait_for_all_acked(Duration(seconds=HEARD_S)):
-            raise AssertionError(f'who listens to {topic!r} did not get a message in {HEARD_S} s')
-        self._stepping.deliver()
-
-    def call(self, service_type: Any, name: str, request: Any) -> Any:
-        """Call a service and return its response; it is answered before time goes on."""
-        if name not in self._clients:
-            self._clients[name] = self._observer.create_client(service_type, name)
-        client = self._clients[name]
-        self._stepping.wait(client.service_is_ready, f'offer the service {name!r}', [])
-        future = client.call_async(request)
-        self._stepping.wait(future.done, f'answer the call of {name!r}', [])
-        self._stepping.deliver()
-        return future.result()
 
     def drive(self, v: float, w: float, seconds: float) -> None:
         """Publish a command [m/s, rad/s] in every step for some simulated seconds."""
@@ -144,10 +101,9 @@ class Robot:
         seconds : float
             How many, in whole steps of the clock.
         wait_for : str, optional
-            Topic that a process publishes once a ``period``: ``/clock`` moves by whole periods,
-            and each time that message is waited for.
+            Topic that a process publishes once a ``period``: each time that message is waited for.
         period : float, optional
-            Of that topic [s]; None: a step of the clock.
+            By which ``/clock`` moves for the processes [s]; None: a step of the clock.
 
         Raises
         ------
@@ -158,11 +114,30 @@ class Robot:
         each = self._steps(period) if period else 1
         topic = self._observer.resolve_topic_name(wait_for) if wait_for else None
         for number in range(1, self._steps(seconds) + 1):
-            self._stepping.step(tell=not topic or number % each == 0, wait_for=topic)
+            self._stepping.step(tell=number % each == 0, wait_for=topic)
 
     def advance_until(
             self, condition: Callable[[], Any], *, timeout: float, **options: Any) -> None:
-        """Advance until a condition holds, asked each step or period; fail at ``timeout``."""
+        """
+        Advance until a condition holds; it is asked each step, or each ``period``.
+
+        Parameters
+        ----------
+        condition : callable
+            Returns whether it holds.
+        timeout : float
+            Simulated seconds after which it should.
+        options :
+            As for ``advance``.
+
+        Raises
+        ------
+        AssertionError
+            If it does not hold within ``timeout``.
+        ProcessFailed
+            If a process ended with an error, or does not answer.
+
+        """
         step = options.get('period') or self._stepping.step_ns / 1e9
         for _ in range(math.ceil(timeout / step)):
             self.advance(step, **options)
@@ -209,14 +184,6 @@ class Robot:
         self._guardian.note_own()  # it shares more with each process
         return process
 
-    def drop(self, topic: str, share: float, *, seed: int = 0) -> None:
-        """Lose a share of the messages of a topic from now on, the same ones in every run."""
-        self._messages.lose(self._observer.resolve_topic_name(topic), share, seed)
-
-    def delay(self, topic: str, seconds: float) -> None:
-        """Hand the messages of a topic on later from now on, in steps of the clock."""
-        self._messages.delay(self._observer.resolve_topic_name(topic), round(seconds * 1e9))
-
     def kill(self, name: str) -> None:
         """End a node of the robot at once, as a crash does."""
         self._nodes.kill(name)
@@ -224,7 +191,7 @@ class Robot:
     def restart(self, name: str) -> None:
         """Start a node of the robot again; one that is alive is killed before."""
         self._nodes.restart(name)
-        self._stepping.wait(self._nodes.ready, 'hear itself', [])
+        self._settle()
 
     def step_clock(self, seconds: float) -> None:
         """Step the clock itself, forward or back, as a time server does."""
@@ -238,6 +205,10 @@ class Robot:
         self._stepping.close()
         self._nodes.close()
         self._guardian.close()
+
+    def _settle(self) -> None:
+        """Wait until the nodes hear each other."""
+        self._stepping.wait(self._nodes.ready, 'hear itself', [])
 
     def _steps(self, seconds: float) -> int:
         steps = round(seconds * 1e9 / self._stepping.step_ns)

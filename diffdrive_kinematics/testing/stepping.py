@@ -14,26 +14,24 @@
 
 """Time of a robot under test: it moves on when all who take part have handled the last step."""
 
+from itertools import chain, repeat
 import time
-from typing import Any, Callable, List, Optional
+from typing import Any, Callable, Dict, List, Optional, Set
 
 from diffdrive_kinematics.ros.messages.messages import set_stamp
 from diffdrive_kinematics.ros.parameters.qos import reliable
-from diffdrive_kinematics.ros.runtime.clocks import SteppedClock
+from diffdrive_kinematics.testing.acknowledgements import Acknowledgements
 from diffdrive_kinematics.testing.at_rest import Rest, Threads
-from diffdrive_kinematics.testing.lockstep import IDLE_TOPIC
-from diffdrive_kinematics.testing.messages import RecordedMessages
+from diffdrive_kinematics.testing.nodes import RobotNodes
 from diffdrive_kinematics.testing.processes import Process, ProcessFailed
-from rclpy.executors import Executor
-from rclpy.node import Node
 from rosgraph_msgs.msg import Clock
-from std_msgs.msg import Header
 
 __all__ = ['Stepping']
 
 DEADLINE_S = 20.0
 POLL_S = 0.02
-REST_POLL_S = 0.0001
+REST_POLL_S = 0.00005
+SOON, LATER = 0.7, 1.1  # parts of the time that it usually takes
 COME_TO_REST = 'come to rest (one whose thread always works needs restless=True)'
 REPEAT_S = 0.5
 SILENCE_S = 0.003
@@ -49,34 +47,28 @@ class Stepping:
 
     Parameters
     ----------
-    observer : Node
-        Node of the test.
-    executor : Executor
-        Of it and of the robot's nodes.
-    clock, messages :
-        What the robot's nodes share.
+    nodes : RobotNodes
+        The robot's nodes.
     step_ns : int
         Length of a step [ns].
 
     """
 
-    def __init__(
-            self, observer: Node, executor: Executor, clock: SteppedClock,
-            messages: RecordedMessages, step_ns: int) -> None:
-        self._observer, self._executor = observer, executor
-        self.clock, self._messages, self.step_ns = clock, messages, step_ns
+    def __init__(self, nodes: RobotNodes, step_ns: int) -> None:
+        self._nodes = nodes
+        self._observer, self._executor, self.clock = nodes.observer, nodes.executor, nodes.clock
+        self._messages, self.step_ns = nodes.messages, step_ns
         self.processes: List[Process] = []
-        self._publisher = observer.create_publisher(Clock, '/clock', reliable(10))
-        observer.create_subscription(Header, IDLE_TOPIC, self._on_idle, reliable(1000))
-        self._idle_ns: 'dict[str, int]' = {}
-        self._ends: 'dict[str, List[str]]' = {}
-        self._rest = Rest(executor)
+        self._publisher = self._observer.create_publisher(Clock, '/clock', reliable(10))
+        self._acknowledgements = Acknowledgements(self._observer)
+        self._usual_s: Dict[str, float] = {}
+        self._rest = Rest(self._executor)
 
     def step(self, *, tell: bool = True, wait_for: Optional[str] = None) -> None:
         """Let one step pass; ``tell`` the processes, and wait until they have handled it."""
         self.clock.advance_to(self.clock.now_ns() + self.step_ns)
         self._messages.forget()
-        if self._messages.hand_on_late():
+        if self._messages.disturbances.hand_on_late():
             self.deliver()
         for timer in self.clock.due():
             self.clock.fire(timer)
@@ -88,7 +80,7 @@ class Stepping:
         """Step the clock itself; timers of robots do not run on it, and go on as before."""
         for timer in self.clock.timers:
             timer.next_ns += step_ns
-        self._messages.clock_stepped(step_ns)
+        self._messages.disturbances.clock_stepped(step_ns)
         self.clock.advance_to(self.clock.now_ns() + step_ns)
         self.tell()
 
@@ -96,13 +88,13 @@ class Stepping:
         """Show the time to the processes, and wait until they have handled it."""
         for process in self.processes:
             process.check()
-        self._watch(self._watched(), self._rest.asleep)  # what the robot said is heard
+        self._watch(self._watched(), self._rest.asleep, 'before the time')  # who hears the robot
         came = self._messages.arrived[wait_for] if wait_for else 0
         now_ns = self.clock.now_ns()
         self._show()
         if steady := [each for each in self.processes if each.lockstep and each.running]:
             self.wait(lambda: all(
-                self._idle_ns.get(each.name, -1) >= now_ns or not each.running
+                self._acknowledgements.of(each.name) == now_ns or not each.running
                 for each in steady), 'acknowledge the step', steady, show=True)
         if wait_for:
             self.wait(lambda: self._messages.arrived[wait_for] > came,
@@ -119,8 +111,8 @@ class Stepping:
         running = [each for each in self.processes if each.running]
         watched = self._watched()
         if not all(each.lockstep for each in watched):  # else they have told already
-            self._watch(watched, lambda threads: (
-                self._rest.reached(threads) and self._messages.settled()))
+            self._watch(watched, lambda threads: self._rest.reached(threads, self.deliver),
+                        'after the time')
         if silence and any(not each.lockstep for each in running if each not in watched):
             self._be_silent()
         self.deliver()
@@ -129,17 +121,30 @@ class Stepping:
         return [each for each in self.processes
                 if each.running and self._rest.can_tell and not each.restless]
 
-    def _watch(self, watched: List[Process], done: Callable[[List[Threads]], bool]) -> None:
+    def _watch(
+            self, watched: List[Process], done: Callable[[List[Threads]], bool],
+            moment: str) -> None:
+        """Look until they are done, first when they have been done soonest of late."""
         threads = [each.threads for each in watched]
-        if threads:
-            self.wait(lambda: done(threads), COME_TO_REST, watched,
-                      pause=lambda: time.sleep(REST_POLL_S),
-                      suspects=lambda: [each for each in watched if not each.threads.asleep()])
+        if not threads:
+            return
+        began, usual_s = time.monotonic(), self._usual_s.get(moment, REST_POLL_S)
+        pauses = chain([SOON * usual_s], repeat(REST_POLL_S))
+        self.wait(lambda: done(threads), COME_TO_REST, watched,
+                  pause=lambda: time.sleep(next(pauses)),
+                  suspects=lambda: [each for each in watched if not each.threads.asleep()])
+        self._usual_s[moment] = max(
+            REST_POLL_S, min(time.monotonic() - began, LATER * usual_s))
 
     def deliver(self) -> None:
         """Let every message between the robot's nodes be handled, and all that these cause."""
+        self._messages.hand_over()
         if not self._messages.settled():
             self.wait(self._messages.settled, 'handle a message', [])
+
+    def _spin_once(self, timeout: float) -> None:
+        self._executor.spin_once(timeout_sec=timeout)
+        self._messages.hand_over()
 
     def wait(
             self, condition: Callable[[], Any], what: str, processes: List[Process], *,
@@ -148,7 +153,7 @@ class Stepping:
             suspects: Optional[Callable[[], List[Process]]] = None) -> None:
         """Spin until a condition holds, or raise ``ProcessFailed``."""
         timeout = timeout or DEADLINE_S
-        pause = pause or (lambda: self._executor.spin_once(timeout_sec=POLL_S))
+        pause = pause or (lambda: self._spin_once(POLL_S))
         deadline, show_at = time.monotonic() + timeout, time.monotonic() + REPEAT_S
         while not condition():
             pause()
@@ -167,11 +172,14 @@ class Stepping:
 
     def begin(self, process: Process) -> None:
         """Wait until a process is there, and all that it and the robot say is heard."""
+        known = {each.name for each in self.processes if each.running}
         self.processes.append(process)
         if process.lockstep:
-            self.wait(lambda: self._greeted(process), 'call diffdrive_kinematics.testing.spin',
-                      [process], show=True)
-            self.wait(lambda: self._has_ends(process), 'show its topics', [process])
+            self._acknowledgements.expect_newcomer(known)
+            self.wait(lambda: self._greeted(process, known),
+                      'call diffdrive_kinematics.testing.spin', [process], show=True)
+            self.wait(lambda: self._acknowledgements.ends_known(process.name), 'show its topics',
+                      [process])
             self.wait(self.all_matched, 'be heard', [process])
         else:
             before = self._publisher.get_subscription_count()
@@ -180,31 +188,19 @@ class Stepping:
             self._await_still()
         process.check()
 
-    def _greeted(self, process: Process) -> bool:
+    def _greeted(self, process: Process, known: Set[str]) -> bool:
         """Return whether a newcomer has acknowledged the time; it gets its node's name."""
         process.check()
-        known = {each.name for each in self.processes if each is not process}
-        new = [name for name in self._idle_ns if name not in known]
-        if new:
-            process.name = new[-1]
-        return bool(new)
-
-    def _has_ends(self, process: Process) -> bool:
-        namespace, name, *counts = self._ends[process.name]
-        try:
-            ends = [len(look(name, namespace)) for look in (
-                self._observer.get_subscriber_names_and_types_by_node,
-                self._observer.get_publisher_names_and_types_by_node)]
-        except RuntimeError:  # not known yet
-            return False
-        return all(seen >= int(told) for seen, told in zip(ends, counts))
+        name = self._acknowledgements.newcomer(known, self.clock.now_ns())
+        process.name = name or process.name
+        return bool(name)
 
     def all_matched(self) -> bool:
         """Return whether all publishers of this process have all who listen in the graph."""
         observer = self._observer
         nodes = self._executor.get_nodes()
         subscriptions = [each for node in nodes for each in node.subscriptions]
-        return all(
+        return self._nodes.ready() and all(
             publisher.get_subscription_count() >= observer.count_subscribers(publisher.topic_name)
             for publisher in self._messages.publishers) and all(
             each.get_publisher_count() >= observer.count_publishers(each.topic_name)
@@ -229,7 +225,7 @@ class Stepping:
         """Spin until nothing has come for a while."""
         came, until = sum(self._messages.arrived.values()), time.monotonic() + SILENCE_S
         while time.monotonic() < until:
-            self._executor.spin_once(timeout_sec=max(0.0, until - time.monotonic()))
+            self._spin_once(max(0.0, until - time.monotonic()))
             now = sum(self._messages.arrived.values())
             if now > came:
                 came, until = now, time.monotonic() + SILENCE_S
@@ -242,9 +238,3 @@ class Stepping:
         message = Clock()
         set_stamp(message.clock, self.clock.now_ns())
         self._publisher.publish(message)
-
-    def _on_idle(self, message: Header) -> None:
-        namespace, name, *counts = message.frame_id.split()
-        full = f"{namespace.rstrip('/')}/{name}"
-        self._ends[full] = [namespace, name, *counts]
-        self._idle_ns[full] = message.stamp.sec * 10**9 + message.stamp.nanosec

@@ -21,6 +21,7 @@ calls their subscriptions back itself, so a message costs microseconds and its o
 
 from contextlib import contextmanager
 from importlib import import_module
+from inspect import signature
 import os
 import signal
 import sys
@@ -68,7 +69,9 @@ class Inside:
     def hear(self, topic, message):
         """Give the node a message, as its executor would."""
         subscription = self._heard[topic]
-        subscription.callback(serialize_message(message) if subscription.raw else message)
+        given = serialize_message(message) if subscription.raw else message
+        informed = len(signature(subscription.callback).parameters) == 2
+        subscription.callback((given, {}) if informed else given)
 
     def advance_to(self, time_ns):
         """Set the time, and fire what is due once."""

@@ -175,7 +175,7 @@ def test_robots_of_one_test_do_not_hear_each_other(diffdrive):
 
 
 def test_what_nobody_listens_to_is_said(diffdrive, monkeypatch):
-    from diffdrive_kinematics.testing import robot as module
+    from diffdrive_kinematics.testing import topics as module
     monkeypatch.setattr(module, 'HEARD_S', 0.3)
     robot = diffdrive(params=ROBOT)
     with pytest.raises(AssertionError, match="who listens to 'goal_pose'"):

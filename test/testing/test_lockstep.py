@@ -195,3 +195,49 @@ def test_a_request_to_the_robot_is_answered_before_time_moves(diffdrive, files):
     process = robot.start_process([sys.executable, path])
     robot.advance(3.0)
     assert process.output.split('\n')[:3] == ['waited 0'] * 3
+
+
+def test_a_node_in_lockstep_ends_and_one_of_its_name_comes(diffdrive, files):
+    robot, command = diffdrive(params=ROBOT), [sys.executable, files / 'in_lockstep.py']
+    for _ in range(2):
+        process = robot.start_process(command, lockstep=True)
+        said = len(robot.history('cmd_vel'))
+        robot.advance(0.2)
+        assert len(robot.history('cmd_vel')) == said + 10
+        process.kill()
+
+
+def test_a_node_in_lockstep_is_waited_for_after_the_clock_was_set_back(diffdrive, files):
+    robot = diffdrive(params=ROBOT)
+    robot.start_process([sys.executable, files / 'in_lockstep.py'], lockstep=True)
+    robot.advance(1.0)
+    robot.step_clock(-0.5)
+    acknowledgements = robot._stepping._acknowledgements
+    for _ in range(10):
+        robot.advance(0.02)
+        assert acknowledgements.of('/my_planner') == round(robot.time * 1e9)
+
+
+def test_the_clock_of_processes_moves_by_a_period_in_every_way_to_wait(diffdrive, files):
+    path = files / 'tells_time.py'
+    path.write_text((files / 'in_lockstep.py').read_text().replace(
+        '    def on_timer(self):\n', '    def on_timer(self):\n'
+        "        print('at', self.get_clock().now().nanoseconds // 10**6)\n"))
+    robot = diffdrive(params=ROBOT)
+    process = robot.start_process([sys.executable, path], lockstep=True)
+    robot.advance(0.3, period=0.1)
+    assert process.output.split('\n')[:-1] == ['at 100', 'at 200', 'at 300']
+
+
+def test_a_node_in_lockstep_is_found_though_the_graph_does_not_tell_whose_topics_are(
+        diffdrive, files, monkeypatch):
+    def unknown(*_):
+        raise RuntimeError('nonexistent node')
+
+    robot = diffdrive(params=ROBOT)
+    for look in ('subscriber', 'publisher'):
+        monkeypatch.setattr(robot._observer, f'get_{look}_names_and_types_by_node', unknown)
+    monkeypatch.setattr(stepping, 'DEADLINE_S', 60.0)
+    robot.start_process([sys.executable, files / 'in_lockstep.py'], lockstep=True)
+    robot.advance(0.2)
+    assert len(robot.history('cmd_vel')) == 10

@@ -18,6 +18,7 @@ from collections import Counter
 from typing import Any, Callable, Dict, List
 
 from rclpy.publisher import Publisher
+from rclpy.subscription import Subscription
 
 
 class InFlightMessages:
@@ -34,8 +35,14 @@ class InFlightMessages:
         self._owners: Dict[str, List[str]] = {}
         self.publishers: 'list[Publisher]' = []
 
-    def counted(self, topic: str, callback: Callable[..., None]) -> Callable[..., None]:
-        """Return the callback of a subscription of this process, by resolved topic name."""
+    def counted(
+            self, topic: str, callback: Callable[..., None], *,
+            informed: bool = False) -> Callable[..., None]:
+        """
+        Return the callback of a subscription of this process, by resolved topic name.
+
+        One that is ``informed`` gets a ``MessageInfo`` beside the message.
+        """
         self._listeners[topic] += 1
 
         def counting(*message: Any) -> None:
@@ -46,9 +53,12 @@ class InFlightMessages:
 
         return counting
 
-    def remove_listener(self, topic: str) -> None:
+    def add_listener(self, subscription: Subscription) -> None:
+        """Note which subscription has the callback that was counted last."""
+
+    def remove_listener(self, subscription: Subscription) -> None:
         """Note that a subscription of this process is gone."""
-        self._listeners[topic] -= 1
+        self._listeners[subscription.topic_name] -= 1
 
     def count_sent(self, publisher: Publisher, node: str) -> None:
         """Count what a publisher of a node sends from now on."""

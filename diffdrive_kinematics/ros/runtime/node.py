@@ -140,9 +140,13 @@ class DiffDriveNode(Node, Generic[Config], metaclass=_LeavesWhereRefused):
         """Return what only this node knows of its health."""
         return Status({}, [])
 
+    def awaited_topics(self) -> Set[str]:
+        """Return the topics that are to be there before time begins to pass, and are not yet."""
+        return set()
+
     def ready(self) -> bool:
         """Return whether the node has all it can have before time begins to pass."""
-        return True
+        return not self.awaited_topics()
 
     def final_command(self) -> Sequence[Publisher]:
         """Publish the final command of the node, and return the publishers used."""

@@ -21,7 +21,8 @@ from diffdrive_kinematics.ros.runtime.clocks import period_ns, SteadyTimers, Ste
 from diffdrive_kinematics.ros.runtime.endpoints import Endpoints
 from diffdrive_kinematics.ros.runtime.in_flight_messages import InFlightMessages
 from diffdrive_kinematics.ros.runtime.polling import Poll, QUEUE_DEPTH, QueuePoll
-from diffdrive_kinematics.ros.runtime.rclpy_private import HAS_LEAN_PATH, MessageInfo, UNKNOWN
+from diffdrive_kinematics.ros.runtime.rclpy_private import (
+    HAS_LEAN_PATH, informing, MessageInfo)
 from diffdrive_kinematics.ros.runtime.rejections import Rejections
 from diffdrive_kinematics.ros.runtime.runtime import Runtime
 from rclpy.publisher import Publisher
@@ -61,18 +62,30 @@ class SteppedRuntime(Runtime):
         self._in_flight.count_sent(publisher, self._node.get_fully_qualified_name())
         return publisher
 
+    def listen(
+            self, message_type: type, topic: str, callback: Callable[..., None],
+            **options: bool) -> Subscription:
+        """Return a subscription whose messages are counted until they are handled."""
+        subscription = super().listen(message_type, topic, callback, **options)
+        self._in_flight.add_listener(subscription)
+        return subscription
+
     def _guarded(
             self, topic: str, callback: Callable[..., None],
             informed: bool) -> Callable[..., None]:
-        """Count what is handled; what the middleware knows is not the same in every run."""
-        counted = self._in_flight.counted(
-            self._node.resolve_topic_name(topic), self._rejections.guarded(topic, callback))
-        return (lambda message: counted(message, UNKNOWN)) if informed else counted
+        """Count what is handled; when it was sent and came is not the same in every run."""
+        guarded = self._rejections.guarded(topic, callback)
+        name = self._node.resolve_topic_name(topic)
+        if not informed:
+            return self._in_flight.counted(name, guarded)
+        return informing(self._in_flight.counted(
+            name, lambda message, info: guarded(message, MessageInfo(info.number)),
+            informed=True))
 
     def unlisten(self, subscription: Subscription) -> None:
         """End a subscription."""
         if subscription not in self._beside:
-            self._in_flight.remove_listener(subscription.topic_name)
+            self._in_flight.remove_listener(subscription)
         super().unlisten(subscription)
 
     def conclude(self, publish: Callable[[], Any]) -> None:

@@ -17,17 +17,21 @@
 
 import ast
 from pathlib import Path
+import time
 
 import diffdrive_kinematics
 from diffdrive_kinematics.ros.runtime.clocks import SteppedClock
 from diffdrive_kinematics.ros.runtime.in_flight_messages import InFlightMessages
+from diffdrive_kinematics.ros.runtime.rclpy_private import MessageInfo
 from diffdrive_kinematics.ros.runtime.rejections import Rejections
 from diffdrive_kinematics.ros.runtime.runtimes import runtime_of
 import pytest
 import rclpy
+from rclpy.executors import SingleThreadedExecutor
 from std_msgs.msg import Bool
 from support.inside import initialised
 
+DEADLINE_S = 60.0
 ROOT = Path(diffdrive_kinematics.__file__).parent
 ROOMS = ['nodes', 'ros/inputs', 'ros/publishers', 'tools']
 
@@ -69,3 +73,24 @@ def test_what_listens_beside_ends_without_those_who_listen(node):
     in_flight.count_sent(publisher, 'listener')
     publisher.publish(Bool())
     assert not in_flight.settled()  # who listens has not heard it yet
+
+
+def test_on_stepped_time_a_callback_is_told_numbers_and_no_times_of_the_wall_clock(node):
+    in_flight, told = InFlightMessages(), []
+    runtime = runtime_of(node, Rejections(node), stepped=SteppedClock(), in_flight=in_flight)
+    publisher = node.create_publisher(Bool, 'told', 10)
+    in_flight.count_sent(publisher, 'listener')
+    runtime.listen(Bool, 'told', lambda _, info: told.append(info), informed=True)
+    executor = SingleThreadedExecutor()
+    executor.add_node(node)
+    deadline = time.monotonic() + DEADLINE_S
+    for number in range(1, 4):
+        while not in_flight.matched():
+            assert time.monotonic() < deadline
+            executor.spin_once(timeout_sec=0.1)
+        publisher.publish(Bool())
+        while not in_flight.settled():
+            assert time.monotonic() < deadline
+            executor.spin_once(timeout_sec=0.1)
+        assert told[-1] == MessageInfo(number)
+    executor.shutdown()

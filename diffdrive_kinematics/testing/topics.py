@@ -1,0 +1,96 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""What a test says to a robot and hears of it: its topics and services, and their faults."""
+
+from typing import Any, Dict, List
+
+from diffdrive_kinematics.testing.messages import Recorded
+from diffdrive_kinematics.testing.nodes import RobotNodes
+from diffdrive_kinematics.testing.stepping import Stepping
+from rclpy.duration import Duration
+
+__all__ = ['Topics']
+
+HEARD_S = 10.0
+
+
+class Topics:
+    """
+    The topics and services of a robot, for a test beside it.
+
+    Parameters
+    ----------
+    nodes : RobotNodes
+        The robot.
+    stepping : Stepping
+        Its time, which waits until what the test says is handled.
+
+    """
+
+    def __init__(self, nodes: RobotNodes, stepping: Stepping) -> None:
+        self._observer, self._messages = nodes.observer, nodes.messages
+        self._stepping = stepping
+        self._publishers: Dict[str, Any] = {}
+        self._clients: Dict[str, Any] = {}
+
+    def history(self, topic: str) -> List[Recorded]:
+        """Return all messages of a topic so far, each with its simulated time [s]."""
+        return self._messages.history(self._observer.resolve_topic_name(topic))
+
+    def listen(self, message_type: type, topic: str) -> None:
+        """Keep the messages of a topic to which no node of the robot listens."""
+        name = self._observer.resolve_topic_name(topic)
+        self._messages.add_listener(self._observer.create_subscription(
+            message_type, topic, self._messages.counted(name, lambda message: None), 1000,
+            raw=True))
+        self._messages.know_types(self._observer)
+        self._stepping.wait(self._stepping.all_matched, 'be heard', [])
+
+    def publish(self, topic: str, message: Any) -> None:
+        """Publish a message; whoever listens in the graph has it before time goes on."""
+        name = self._observer.resolve_topic_name(topic)
+        if name not in self._publishers:
+            publisher = self._observer.create_publisher(type(message), topic, 100)
+            self._messages.count_sent(publisher, self._observer.get_fully_qualified_name())
+            self._publishers[name] = publisher
+            self._stepping.wait(
+                lambda: publisher.get_subscription_count() >= max(
+                    1, self._observer.count_subscribers(name)),
+                f'find who listens to {topic!r}', [], timeout=HEARD_S)
+        self._publishers[name].publish(message)
+        if not self._publishers[name].wait_for_all_acked(Duration(seconds=HEARD_S)):
+            raise AssertionError(f'who listens to {topic!r} did not get a message in {HEARD_S} s')
+        self._stepping.deliver()
+
+    def call(self, service_type: Any, name: str, request: Any) -> Any:
+        """Call a service and return its response; it is answered before time goes on."""
+        if name not in self._clients:
+            self._clients[name] = self._observer.create_client(service_type, name)
+        client = self._clients[name]
+        self._stepping.wait(client.service_is_ready, f'offer the service {name!r}', [])
+        future = client.call_async(request)
+        self._stepping.wait(future.done, f'answer the call of {name!r}', [])
+        self._stepping.deliver()
+        return future.result()
+
+    def drop(self, topic: str, share: float, *, seed: int = 0) -> None:
+        """Lose a share of the messages of a topic from now on, the same ones in every run."""
+        name = self._observer.resolve_topic_name(topic)
+        self._messages.disturbances.lose(name, share, seed)
+
+    def delay(self, topic: str, seconds: float) -> None:
+        """Hand the messages of a topic on later from now on, in steps of the clock."""
+        name = self._observer.resolve_topic_name(topic)
+        self._messages.disturbances.delay(name, round(seconds * 1e9))
