@@ -70,7 +70,8 @@ def frame_from_motion(
     """
     nothing = CalibrationParameters()
     moves = [(_displacements(odometry_at(geometry, drive, nothing), chosen),
-              _displacements(drive.reference, chosen), _turns(drive.reference, chosen))
+              _displacements(drive.reference, chosen),
+              drive.reference[chosen.end, 2] - drive.reference[chosen.start, 2])
              for drive, chosen in zip(drives, windows)]
     wheels, seen, turns = (np.concatenate(each) for each in zip(*moves))
     model = np.stack([wheels, np.exp(1j * turns) - 1.0], axis=1)
@@ -91,8 +92,3 @@ def _displacements(poses: Array, windows: WindowSet) -> NDArray[np.complex128]:
     found: NDArray[np.complex128] = (
         (apart[:, 0] + 1j * apart[:, 1]) * np.exp(-1j * poses[windows.start, 2]))
     return found
-
-
-def _turns(poses: Array, windows: WindowSet) -> Array:
-    turns: Array = poses[windows.end, 2] - poses[windows.start, 2]
-    return turns

@@ -122,7 +122,7 @@ def slip_window(
         raise ValueError('travel is 0 throughout, expected a window in which a wheel turns')
     arcs = arcs_along(geometry, moving)
     pose, (left, right) = arcs.end, covariance_along(arcs)
-    measured = _relative(before, after)
+    measured = np.array(between(Pose(*map(float, before)), Pose(*map(float, after))))
     odometry = np.array([pose.x, pose.y, pose.theta])
     error = measured - odometry
     error[2] = wrap_angle(float(error[2]))
@@ -130,11 +130,6 @@ def slip_window(
         error, left, right, body_covariance_along(arcs), np.diag([2.0, 2.0, 0.0]),
         _heading_noise(float(pose.x), float(pose.y)),
         _time_noise(pose, np.asarray(twists, dtype=np.float64)))
-
-
-def _relative(before: Pose, after: Pose) -> Array:
-    """Return the pose ``after`` in the frame of ``before``, shape (3,); theta not wrapped."""
-    return np.array(between(Pose(*map(float, before)), Pose(*map(float, after))))
 
 
 def _heading_noise(x: float, y: float) -> Array:

@@ -27,7 +27,7 @@ and up to 45 % too large where there was nothing to correct.
 """
 
 from dataclasses import dataclass, replace
-from typing import Sequence, Tuple
+from typing import Sequence
 
 from diffdrive_kinematics.core.calibration.estimate import Estimate
 from diffdrive_kinematics.core.calibration.square_runs import ReturnError, Umbmark
@@ -185,7 +185,7 @@ def fit_squares(
         replace(first, separation_ratio=e_b, diameter_ratio=e_d,
                 clockwise_after=ReturnError(*left[:2].tolist()),
                 counterclockwise_after=ReturnError(*left[2:].tolist()),
-                error_after=_largest(left)),
+                error_after=float(max(np.hypot(*left[:2]), np.hypot(*left[2:])))),
         with_ratios(geometry, *applied.tolist()), separation_counts, diameters_count, quantile,
         _predicted(centres - at_best, at_best - at_geometry, of_centres, jacobian @ response))
 
@@ -219,9 +219,3 @@ def _predicted(misfit: Array, kept_back: Array, of_centres: Array, spread: Array
     old, new = np.random.default_rng(SEED).standard_normal((2, DRAWS, 4)) @ root.T
     ends = (shrunk + kept_back + old @ spread.T + new).reshape(DRAWS, 2, 2)
     return float(np.sqrt((ends**2).sum(axis=2).max(axis=1).mean()))
-
-
-def _largest(centres: Array) -> float:
-    """Return the larger distance [m] of two centres."""
-    pair: Tuple[Array, Array] = centres[:2], centres[2:]
-    return max(float(np.hypot(*each)) for each in pair)

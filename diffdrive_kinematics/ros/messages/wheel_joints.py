@@ -14,16 +14,14 @@
 
 """The wheel joints of a robot as messages know them: names, sides, directions, and the gear."""
 
-from dataclasses import dataclass
-from typing import Any, Mapping, Tuple
+from typing import Any, Mapping, NamedTuple, Tuple
 
 from diffdrive_kinematics.core.odometry import WheelPair
 
 Names = Tuple[str, ...]
 
 
-@dataclass(frozen=True)
-class WheelJoints:
+class WheelJoints(NamedTuple):
     """
     Joints of the (left, right) wheels, whether they are inverted, and turns of them a wheel turn.
 

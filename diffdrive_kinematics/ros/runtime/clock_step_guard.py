@@ -61,7 +61,7 @@ class ClockStepGuard:
             time.sleep(LOOK_PERIOD_S)
             before, difference = difference, _difference()
             if difference < before - STEP_NS:
-                self._executor.create_task(_go_on)
+                self._executor.create_task(lambda: None)  # to have it to do ends the wait
 
 
 def waits_on_wall_clock(library: Path) -> bool:
@@ -79,10 +79,6 @@ def _is_needed() -> bool:
         return any(waits_on_wall_clock(Path(file)) for file in files)
     except OSError:  # not to be found out
         return True
-
-
-def _go_on() -> None:
-    """Do nothing: to have it to do ends the wait."""
 
 
 def _difference() -> int:
