@@ -18,10 +18,9 @@ from pathlib import Path
 import signal
 
 from diffdrive_kinematics.nodes.simulated_base import SimulatedBase
-from geometry_msgs.msg import Twist, TwistStamped
+from geometry_msgs.msg import Twist
 from nav_msgs.msg import Odometry
 import pytest
-from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState
 from support.graph import JOINTS, KHEPERA, set_stamp, stamp_ns, twist, x_of
 from support.inside import inside, START_NS
@@ -103,39 +102,21 @@ def test_joint_states_of_a_clock_that_is_ahead_count_from_their_second_message_o
     assert robot.odom.x == pytest.approx(8 * 0.021, abs=1e-12)
 
 
-def test_a_course_on_simulated_time_takes_a_step_back_of_the_clock_as_no_time(graph):
-    simulated = {**KHEPERA, 'use_sim_time': True, 'enable_stamped_cmd_vel': True}
-    graph.start('diff_drive_controller', {**simulated, 'cmd_vel_timeout': 0.0})
-    graph.start('simulated_base', {**simulated, 'enable_odom_tf': False})
-    odometry = graph.collect(Odometry, 'odom')
-    said = [odometry, graph.collect(JointState, 'wheel_rates'), graph.collect(
-        TwistStamped, 'cmd_vel')]
-    clock = graph.node.create_publisher(Clock, '/clock', 1)
-    sequence = graph.start('command_sequence', {
-        **simulated, 'commands': [0.1, 0.0, 2.0], 'wait_for_topics': ['odom']})
-    now_ns, stepped_ns = 100 * 10**9, None
-
-    def behind_ns():
-        """Return how far the slowest of them is behind the clock, as far as it did not step."""
-        stamps = [stamp_ns(heard[-1]) for heard in said if heard]
-        return max(now_ns - (stamp if stamp <= now_ns else stepped_ns) for stamp in stamps)
-
-    def ticking():
-        """Let the clock go on once all of them have followed it, or have not begun to."""
-        nonlocal now_ns, stepped_ns
-        if not all(said) or behind_ns() < 60_000_000:
-            now_ns += 5_000_000
-        if not stepped_ns and odometry and x_of(odometry) > 0.1:
-            now_ns = stepped_ns = now_ns - 50 * 10**9
-        message = Clock()
-        message.clock.sec, message.clock.nanosec = divmod(now_ns, 10**9)
-        clock.publish(message)
-        return not sequence.running
-
-    graph.wait_for(ticking, 'the course')
-    assert sequence.wait() == 0
-    assert 'the clock was stepped by' in sequence.output
-    assert x_of(odometry) == pytest.approx(0.2, abs=0.03)
+@pytest.mark.ros
+def test_a_course_on_simulated_time_takes_a_step_back_of_the_clock_as_no_time(diffdrive, capfd):
+    robot = diffdrive(
+        nodes('command_sequence', 'diff_drive_controller', 'simulated_base',
+              command_sequence={'commands': [0.1, 0.0, 2.0]}),
+        params={**KHEPERA, 'enable_stamped_cmd_vel': True, 'cmd_vel_timeout': 0.0,
+                'enable_odom_tf': False}, clock_step=0.005)
+    robot.step_clock(100.0)
+    robot.advance(1.2)
+    robot.step_clock(-50.0)
+    robot.advance(3.0)
+    passed = [message.pose.pose.position.x for message in messages(robot, 'odom')]
+    assert all(0.0 <= b - a < 0.1 * 2.01 * 0.02 for a, b in zip(passed, passed[1:]))
+    assert passed[-1] == pytest.approx(0.2, abs=0.1 * 1.01 * 0.02)  # to a tick of the sequence
+    assert '[command_sequence]: the clock was stepped by -' in capfd.readouterr().err
 
 
 def test_limits_of_robot_yaml_hold_in_a_namespace(graph):
