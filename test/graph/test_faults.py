@@ -327,7 +327,8 @@ def test_a_robot_whose_controller_ends_at_speed_stands_from_its_last_word_on(gra
     wait_on(lambda: commands.publish(twist(SPEED, 0.0)) or (
         rates and odometry and x_of(odometry) > 0.0), 'the base to hear the controller')
     commands.publish(twist(0.0, 0.0))
-    graph.wait_for_rest([rates], [odometry], wait_on)
+    graph.wait_for_rest(
+        [rates], [odometry], now if use_sim_time else None, wait_on)
     began, position = x_of(odometry), rates[-1].position[0]
     commands.publish(twist(SPEED, 0.0))
     graph.wait_for(lambda: rates[-1].velocity[0] > 0.0, 'the robot to drive')

@@ -128,7 +128,7 @@ def test_where_neither_commands_come_nor_time_goes_on_the_wheels_are_told_to_sta
     time = SimulatedTime(graph)
     time.wait_for(lambda: commands.publish(twist(SPEED, 0.0)) or (
         rates and odometry and x_of(odometry) > 0.0), 'the base to hear the controller')
-    graph.wait_for_rest([rates], [odometry], time.wait_for)
+    graph.wait_for_rest([rates], [odometry], time.now_ns, time.wait_for)
     began, position = x_of(odometry), rates[-1].position[0]
     drive(graph, time, rates, commands, SPEED)
     graph.wait_for(lambda: not any(rates[-1].velocity), 'the stop')

@@ -170,7 +170,7 @@ class Graph:
                           f'{listeners} subscribers of {topic}')
         return publisher
 
-    def wait_for_rest(self, wheels, odometry, wait_for=None):
+    def wait_for_rest(self, wheels, odometry, since_ns=None, wait_for=None):
         """
         Wait until all wheels were told to stand, and all odometry knows of it.
 
@@ -178,22 +178,23 @@ class Graph:
         ----------
         wheels, odometry : list of list
             What was collected of JointState and of Odometry.
+        since_ns : int, optional
+            The time [ns] on the clock of the nodes: what is stamped before it tells nothing, and
+            may lie in the queues of a test that was held up.  Default: this time.
         wait_for : callable, optional
             What waits meanwhile, where time is simulated.
 
         """
-        wait_for = wait_for or self.wait_for
+        since_ns, wait_for = since_ns or self.now_ns(), wait_for or self.wait_for
 
         def at_rest():
-            return all(heard and not any(heard[-1].velocity) for heard in wheels)
+            return all(heard and stamp_ns(heard[-1]) > since_ns
+                       for heard in (*wheels, *odometry)) and not any(
+                           any(heard[-1].velocity) for heard in wheels)
 
         wait_for(at_rest, 'the wheels to stand')
-        stopped = max(stamp_ns(heard[-1]) for heard in wheels)
-        wait_for(lambda: at_rest() and all(
-            heard and stamp_ns(heard[-1]) > stopped for heard in (*wheels, *odometry)),
-            'words from after the stop')
         known = [len(heard) + 5 for heard in odometry]  # by then all that had come has been read
-        wait_for(lambda: all(
+        wait_for(lambda: at_rest() and all(
             len(heard) > count and heard[-1].twist.twist.linear.x == 0.0
             for heard, count in zip(odometry, known)), 'odometry at rest')
 
