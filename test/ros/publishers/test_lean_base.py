@@ -330,3 +330,77 @@ def test_wheels_stop_by_the_timeout_whatever_the_clock_of_a_publisher_that_is_ki
     assert at_rest.pose.pose.position.x == pytest.approx(150 * STEP_M)
     time.pass_by(10_000 * MS)
     assert wheels.said('/odom', Odometry).pose.pose == at_rest.pose.pose
+
+
+class Pair:
+    """A lean base and a plain one, which hear the same from publishers of the test's making."""
+
+    def __init__(self, bases, time, angle):
+        self.bases, self._time, self._angle, self._number = bases, time, angle, 0
+        self._began_ns = time.wall_ns
+
+    def hear(self, source='driver#1', rates=(RATE, RATE), ulps=0.0, carry=0):
+        """Tell both where wheels are that turn at ``RATE``, and let them tick."""
+        self._number += 1  # that of the other publisher may be the next one, too
+        angle = self._angle + RATE * (self._time.wall_ns - self._began_ns) / 1e9
+        message = JointState(
+            name=list(JOINTS), velocity=list(rates),
+            position=[angle + ulps * math.ulp(angle), angle])
+        message.header.frame_id = source
+        set_stamp(message, self._time.wall_ns)
+        message.header.stamp.sec -= carry
+        message.header.stamp.nanosec += carry * 10**9
+        for base in self.bases:
+            base.queue.append((serialize_message(message), {
+                'publication_sequence_number': self._number,
+                'received_timestamp': self._time.wall_ns}))
+            base.node._on_timer()
+        self._time.pass_by(20 * MS)
+
+
+@pytest.mark.parametrize(('angle', 'unusual'), [
+    (1.0, {'carry': 1}),  # a second too few in the seconds, and in the nanoseconds one too many
+    (1.0, {'ulps': 32.0}),  # positions that went further than rates and rounding say
+    (1e12 - 0.95, {}),  # beyond the largest position
+    (1.0, {'rates': (9e11, -9e11)}),  # each is in bounds, their turn is not
+    (1.0, {'source': 'driver#2'})], ids=['stamp', 'rounding', 'position', 'turn', 'source'])
+def test_the_lean_path_leaves_a_message_that_is_nearly_usual_to_the_plain_one(
+        time, angle, unusual):
+    with initialised({**LEAN, 'wheel_radius': 0.5}):
+        pair = Pair((Base(True), Base(False)), time, angle)
+        lean, plain = pair.bases
+        try:
+            for _ in range(10):
+                pair.hear()
+            assert lean.node._lean._live and lean.node._lean._fresh
+            for _ in range(3):
+                pair.hear(**unusual)
+                assert lean.state() == plain.state()
+            for _ in range(3):
+                pair.hear()
+            assert lean.state() == plain.state()
+        finally:
+            for base in pair.bases:
+                base.node.destroy_node()
+
+
+@pytest.mark.parametrize('refused', [1, 2, 3])
+def test_a_publisher_whose_first_messages_were_refused_is_not_taken_for_the_one_before(
+        time, refused):
+    """Guard whose motion is held: the reader knows the new publisher, the odometry does not."""
+    with initialised({**LEAN, 'command_timeout': 0.0}):
+        pair = Pair((Base(True), Base(False)), time, 1.0)
+        lean, plain = pair.bases
+        try:
+            for _ in range(10):
+                pair.hear()
+            time.pass_by(15_000 * MS)
+            for _ in range(refused):
+                pair.hear('driver#2', rates=(1e13, RATE))
+                assert lean.state() == plain.state()
+            for rate in (RATE, 0.0, RATE):
+                pair.hear('driver#2', rates=(RATE, rate))
+                assert lean.state() == plain.state()
+        finally:
+            for base in pair.bases:
+                base.node.destroy_node()
