@@ -135,8 +135,8 @@ def assert_goes_steadily(graph, odometry, publishers, going_on=None):
 
     going_on = going_on or publishers.going_on
     assert any(as_far_as_the_driver() for _ in range(TRIES))
+    graph.wait_for(going_on(lambda: len(odometry) > 50), 'enough of odometry')
     xs = [message.pose.pose.position.x for message in odometry]
-    assert len(xs) > 50
     assert all(b - a > -0.005 for a, b in zip(xs, xs[1:]))
     assert max(xs) < RADIUS * publishers.angle() + 0.03
     assert all(abs(message.twist.twist.linear.x) < 3.0 * SPEED for message in odometry)
