@@ -46,6 +46,7 @@ LOGARITHM = (-0.17487891018390656, 0.2875466048717499, -0.2989819049835205, 0.33
 ROOT_BITS = 0x3F3504F3
 """Of sqrt(1/2)."""
 
+ALL_BITS = 2**64 - 1
 WORDS = 8192
 """Of 64 bits, drawn at once: numpy draws them into new memory."""
 
@@ -76,7 +77,7 @@ def fill_normals(generator: 'np.random.Generator', normals: Array, work: Floats)
     bits = parts[:2].view(np.int32)
     for start in range(0, pairs, WORDS):
         stop = min(start + WORDS, pairs)
-        words = generator.bit_generator.random_raw(stop - start)
+        words = generator.integers(ALL_BITS, size=stop - start, dtype=np.uint64, endpoint=True)
         bits[:, start:stop] = words.view(np.int32).reshape(2, -1)
     _fill_radii(bits[0], radius, angle, square)
     np.left_shift(bits[1], 31, out=bits[0])
@@ -98,7 +99,7 @@ def _fill_radii(
     """
     Write sqrt(-2 log(u)) with u = (k + 1/2) / 2^31 of 31 bits, which are overwritten.
 
-    With k + 1/2 = 2^e (1 + t): no digits of u near 1 are lost, as there e is 31.
+    With k + 1/2 = 2^e (1 + t), of 24 digits: the last 64 of the 2^31 give 0.
     """
     bits &= 0x7FFFFFFF
     np.copyto(mantissa, bits, casting='same_kind')
