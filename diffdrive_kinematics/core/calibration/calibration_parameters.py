@@ -55,7 +55,6 @@ class CalibrationParameters(NamedTuple):
 FIELDS = CalibrationParameters._fields
 WHEELS = ('left', 'right', 'separation')
 FRAME = ('x', 'y', 'yaw')
-CLOCK = ('offset', 'drift')
 NAMES: Dict[str, str] = {
     'left': 'left_wheel_radius_multiplier', 'right': 'right_wheel_radius_multiplier',
     'separation': 'wheel_separation_multiplier',

@@ -144,7 +144,8 @@ def fit_response(
     Raises
     ------
     ValueError
-        If the drives are shorter than 80 s, or have no straights or no turns.
+        If the drives are shorter than 80 s, have no straights or no turns, or a quarter of them
+        has less than three windows of 10 s of the reference, so that forms cannot be compared.
 
     Examples
     --------
@@ -182,12 +183,12 @@ def fit_response(
     for form in FORMS:
         watch(form)
         try:
-            errors = np.concatenate([
-                response_errors(geometry, left, fit_form(geometry, kept, heading, form), PREDICTED)
-                for kept, left, heading in folds])
+            fits = [fit_form(geometry, kept, heading, form) for kept, _, heading in folds]
         except ValueError:  # no robot does what it fits
             predictions.append(Prediction(form, math.inf, math.inf, math.inf))
             continue
+        errors = np.concatenate([response_errors(geometry, left, fit, PREDICTED)
+                                 for (_, left, _), fit in zip(folds, fits)])
         far = distances[form] = np.hypot(errors[:, 0], errors[:, 1])
         predictions.append(Prediction(
             form, float(np.median(far)), float(np.median(np.abs(errors[:, 2]))),

@@ -218,8 +218,10 @@ def _parts(drives: Sequence[RecordedDrive], windows: Windows = COMMANDED) -> Lis
     parts = [_part(drive, windows) for drive in drives]
     count = sum(len(found.start) for _, found in parts)
     if count < LEAST_WINDOWS:
+        lengths = ' or '.join(f'{length:g}' for length in windows.lengths)
         raise ValueError(
-            f'the drives have {count} windows of {windows.lengths} s, expected {LEAST_WINDOWS}')
+            f'the reference has {count} windows of {lengths} s in a part of the drives that is '
+            f'fitted or compared, expected {LEAST_WINDOWS}')
     return parts
 
 

@@ -107,6 +107,15 @@ def test_a_table_follows_a_loss_that_it_does_not_know():
     assert np.median(np.hypot(*errors[:, :2].T)) < 0.02
 
 
+def test_forms_that_cannot_be_compared_are_not_chosen_from():
+    drive = commanded_drive(TRUTHS['turn loss'], seconds=90.0)
+    seen = drive.reference_time % 23.0 < 11.2
+    torn = replace(
+        drive, reference_time=drive.reference_time[seen], reference=drive.reference[seen])
+    with pytest.raises(ValueError, match='windows of 10 s in a part .*, expected 3'):
+        fit_response(GEOMETRY, [torn])
+
+
 def test_a_drive_that_is_too_short_or_never_turns_is_refused():
     with pytest.raises(ValueError, match='expected 80 s'):
         fit_response(GEOMETRY, [commanded_drive(TRUTHS['gains'], seconds=60.0)])
