@@ -49,8 +49,12 @@ class PublisherNames:
         if (UNNAMED in names or len(names) < at_least) and self._looks < PATIENCE:
             self._looks += 1
             return None
-        self._looks = 0
+        self.forget()
         return ', '.join(names) or 'nodes unknown'
+
+    def forget(self) -> None:
+        """Be as patient as at first again: it is about other publishers from now on."""
+        self._looks = 0
 
 
 class PublisherWatch:
@@ -73,25 +77,34 @@ class PublisherWatch:
     def __init__(self, node: Any, topic: str, subscription: Subscription, remedy: str) -> None:
         self._node, self._topic, self._remedy = node, topic, remedy
         self._count_of, self._names = subscription.get_publisher_count, PublisherNames(node, topic)
-        self.count, self._problem = 0, ''
+        self.count = 0
+        self._said, self._problem = 0, ''  # the count that was said last, and the words
         node.runtime.every(LOOK_RATE, self._look)
 
     def _look(self) -> None:
-        count = self._count_of()
-        if count == self.count:
+        before, self.count = self.count, self._count_of()
+        if self.count != before:
+            self._names.forget()
+        if self.count == self._said:
             return
-        names = self._names.look(count) if count > 1 else ''
+        names = self._names.look(self.count) if self.count > 1 else ''
         if names is None:
             return
-        was, self.count = self.count, count
-        topic = self._node.resolve_topic_name(self._topic)
-        if count > 1:
-            self._problem = f"{count} publishers of '{topic}' ({names}): {self._remedy}"
+        was, self._said = self._said, self.count
+        if self.count > 1:
+            self._problem = self._words(f' ({names})')
             self._node.get_logger().warning(self._problem)
         elif was > 1:
             self._problem = ''
+            topic = self._node.resolve_topic_name(self._topic)
             self._node.get_logger().info(f"'{topic}' has no more than one publisher again")
+
+    def _words(self, names: str = '') -> str:
+        topic = self._node.resolve_topic_name(self._topic)
+        return f"{self.count} publishers of '{topic}'{names}: {self._remedy}"
 
     def problems(self) -> List[Problem]:
         """Return what is wrong, for diagnostics."""
-        return [Problem(WARN, self._problem)] if self.count > 1 else []
+        if self.count < 2 or not self._problem:
+            return []
+        return [Problem(WARN, self._problem if self.count == self._said else self._words())]

@@ -61,6 +61,7 @@ class WheelWatch:
         sources = self._gathering.sources
         if not sources.contested(now_ns):
             self._contest = ''
+            self._names.forget()
         elif not self._contest and (names := self._names.look()) is not None:
             self._contest = (
                 f"wheel motion of our joints comes from several publishers on '{self._topic}' "

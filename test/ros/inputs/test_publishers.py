@@ -18,6 +18,7 @@ from types import SimpleNamespace
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from diffdrive_kinematics.ros.inputs.publisher_watch import PATIENCE, PublisherWatch
+from diffdrive_kinematics.ros.inputs.wheel_watch import WheelWatch
 from geometry_msgs.msg import Twist
 from nav_msgs.msg import Odometry
 import pytest
@@ -305,3 +306,53 @@ def test_a_publisher_whose_name_never_comes_is_reported_without_one():
         assert not node.warnings
         node.look()
     assert node.warnings == ["2 publishers of '/cmd_vel' (/test, a node without a name): stop"]
+
+
+def test_looks_for_the_name_of_a_publisher_that_has_gone_do_not_count_for_the_next_one():
+    node = Discovery('test', '')
+    for _ in range(PATIENCE - 1):
+        node.look()
+    node.names.pop()
+    node.look()
+    node.names.append('')
+    for _ in range(PATIENCE):
+        node.look()
+        assert not node.warnings
+    node.names[1] = 'teleop'
+    node.look()
+    assert node.warnings == ["2 publishers of '/cmd_vel' (/teleop, /test): stop"]
+
+
+def test_the_count_does_not_wait_for_names_nor_are_those_of_before_said_with_it():
+    node = Discovery('test', 'teleop')
+    node.look()
+    node.names.append('')
+    node.look()
+    assert node.watch.count == 3 and len(node.warnings) == 1
+    assert [each.message for each in node.watch.problems()] == [
+        "3 publishers of '/cmd_vel': stop"]
+    node.names[2] = 'page'
+    node.look()
+    assert node.warnings[1:] == ["3 publishers of '/cmd_vel' (/page, /teleop, /test): stop"]
+    assert [each.message for each in node.watch.problems()] == node.warnings[1:]
+
+
+def test_looks_for_names_begin_anew_where_wheel_motion_is_contested_anew():
+    node, contested = Discovery('driver', ''), [True]
+    gathering = SimpleNamespace(
+        sources=SimpleNamespace(contested=lambda now_ns: contested[0]), waiting_since_ns=None,
+        delays=lambda: None, left_out=0, disagreements=list, incomplete=0)
+    node.runtime.now_ns = int
+    watch = WheelWatch(node, SimpleNamespace(gathering=gathering), 'wheel_rates')
+    for _ in range(PATIENCE - 1):
+        node.look()
+    contested[0] = False
+    node.look()
+    contested[0] = True
+    for _ in range(PATIENCE):
+        node.look()
+        assert not node.warnings and not watch.problems()
+    node.names[1] = 'other'
+    node.look()
+    assert '(it is published by /driver, /other)' in node.warnings[0]
+    assert [each.message for each in watch.problems()] == node.warnings
