@@ -28,6 +28,9 @@ from geometry_msgs.msg import Twist, TwistStamped
 
 __all__ = ['Robot']
 
+CLOCK_END_NS = 2**31 * 10**9
+"""The seconds of a stamp have 31 bits."""
+
 
 class Robot(Topics):
     """
@@ -86,7 +89,7 @@ class Robot(Topics):
         message = TwistStamped() if stamped else Twist()
         twist = message.twist if stamped else message
         twist.linear.x, twist.angular.z = float(v), float(w)
-        for _ in range(self._steps(seconds)):
+        for _ in range(self._steps('seconds', seconds)):
             self.publish(topic_of(controller, 'cmd_vel_topic'), message)
             self._stepping.step()
 
@@ -96,25 +99,33 @@ class Robot(Topics):
         """
         Let simulated seconds pass, as fast as all can follow.
 
+        After it the processes have the time of the robot.
+
         Parameters
         ----------
         seconds : float
             How many, in whole steps of the clock.
         wait_for : str, optional
-            Topic that a process publishes once a ``period``: each time that message is waited for.
+            Topic that a process publishes once a ``period``: each time that message is waited for,
+            but not at the end of a call where less than a period was left.
         period : float, optional
-            By which ``/clock`` moves for the processes [s]; None: a step of the clock.
+            By which ``/clock`` moves for the processes [s], in whole steps of the clock, counted
+            from the start of this call; at its end by what is left.  None: a step of the clock.
 
         Raises
         ------
+        ValueError
+            If ``seconds`` or ``period`` is not finite, or less than a step of the clock.
         ProcessFailed
             If a process ended with an error, or does not answer.
 
         """
-        each = self._steps(period) if period else 1
+        steps, each = self._steps('seconds', seconds), self._steps_of(period)
         topic = self._observer.resolve_topic_name(wait_for) if wait_for else None
-        for number in range(1, self._steps(seconds) + 1):
-            self._stepping.step(tell=number % each == 0, wait_for=topic)
+        for number in range(1, steps + 1):
+            whole = number % each == 0
+            self._stepping.step(
+                tell=whole or number == steps, wait_for=topic if whole else None)
 
     def advance_until(
             self, condition: Callable[[], Any], *, timeout: float, **options: Any) -> None:
@@ -134,11 +145,13 @@ class Robot(Topics):
         ------
         AssertionError
             If it does not hold within ``timeout``.
+        ValueError
+            If ``period`` is not finite, or less than a step of the clock.
         ProcessFailed
             If a process ended with an error, or does not answer.
 
         """
-        step = options.get('period') or self._stepping.step_ns / 1e9
+        step = self._steps_of(options.get('period')) * self._stepping.step_ns / 1e9
         for _ in range(math.ceil(timeout / step)):
             self.advance(step, **options)
             if condition():
@@ -194,7 +207,11 @@ class Robot(Topics):
         self._settle()
 
     def step_clock(self, seconds: float) -> None:
-        """Step the clock itself, forward or back, as a time server does."""
+        """Step the clock itself, forward or back [s], but not below 0, as a time server does."""
+        if not math.isfinite(seconds * 1e9) or not (
+                0 <= self._nodes.clock.now_ns() + round(seconds * 1e9) < CLOCK_END_NS):
+            raise ValueError(f'seconds is {seconds!r}, expected a number that leaves the clock, '
+                             f'now at {self.time} s, from 0 to below {CLOCK_END_NS // 10**9} s')
         self._stepping.jump(round(seconds * 1e9))
 
     def close(self) -> None:
@@ -210,9 +227,12 @@ class Robot(Topics):
         """Wait until the nodes hear each other."""
         self._stepping.wait(self._nodes.ready, 'hear itself', [])
 
-    def _steps(self, seconds: float) -> int:
-        steps = round(seconds * 1e9 / self._stepping.step_ns)
-        if steps < 1 or not math.isfinite(seconds):
-            raise ValueError(f'the time is {seconds!r} s, expected at least a step of the clock, '
+    def _steps_of(self, period: Optional[float]) -> int:
+        return 1 if period is None else self._steps('period', period)
+
+    def _steps(self, name: str, seconds: float) -> int:
+        steps = seconds * 1e9 / self._stepping.step_ns
+        if not math.isfinite(steps) or round(steps) < 1:
+            raise ValueError(f'{name} is {seconds!r}, expected at least a step of the clock, '
                              f'{self._stepping.step_ns / 1e9} s')
-        return steps
+        return round(steps)

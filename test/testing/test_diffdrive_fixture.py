@@ -14,7 +14,9 @@
 
 """The fixture ``diffdrive``, which users of the package test their nodes with."""
 
+import math
 from pathlib import Path
+import re
 import subprocess
 import sys
 
@@ -95,6 +97,31 @@ def test_the_clock_steps_and_the_robot_goes_on(diffdrive):
     assert robot.time == 0.5
     robot.drive(0.2, 0.0, 1.0)
     assert robot.odom.speed == pytest.approx(0.2) and robot.time == 1.5
+
+
+def test_times_that_cannot_be_are_refused_by_name_before_anything_moves(diffdrive):
+    robot = diffdrive(params=ROBOT)
+    robot.delay('cmd_vel', 0.1)
+    robot.drive(0.2, 0.0, 0.06)
+    for wrong in (0, 0.0, -0.1, math.nan, math.inf, 0.001):
+        for move in (lambda **options: robot.advance(0.1, **options),
+                     lambda **options: robot.advance_until(lambda: True, timeout=1.0, **options)):
+            with pytest.raises(ValueError, match=f'^period is {wrong!r}, expected'):
+                move(period=wrong)
+        for move in (robot.advance, lambda seconds: robot.drive(0.2, 0.0, seconds)):
+            with pytest.raises(ValueError, match=f'^seconds is {wrong!r}, expected'):
+                move(wrong)
+    for wrong in (-5.0, -0.060000001, math.nan, math.inf, -math.inf, 2.0 ** 31, 1e300):
+        with pytest.raises(
+                ValueError, match=f'^seconds is {re.escape(repr(wrong))}, expected .* at 0.06 s'):
+            robot.step_clock(wrong)
+    assert robot.time == 0.06
+    robot.drive(0.2, 0.0, 0.1)  # timers go on, and what is late comes when it would have
+    assert [each.time for each in robot.history('odom')] == [
+        pytest.approx(0.02 * number) for number in range(1, 9)]
+    assert robot.odom.speed > 0.0
+    robot.step_clock(-robot.time)
+    assert robot.time == 0.0
 
 
 @pytest.mark.parametrize('config', ['file', 'mapping'])

@@ -203,6 +203,22 @@ def test_the_clock_of_processes_moves_by_a_period_in_every_way_to_wait(diffdrive
     assert process.output.split('\n')[:-1] == ['at 100', 'at 200', 'at 300']
 
 
+def test_after_each_call_the_processes_have_the_time_of_the_robot(diffdrive, files):
+    path = files / 'slow.py'
+    path.write_text((files / 'in_lockstep.py').read_text().replace(
+        'self.create_timer(0.02', 'self.create_timer(0.2'))
+    robot = diffdrive(params=ROBOT)
+    robot.start_process([sys.executable, path], lockstep=True)
+    acknowledgements = robot._stepping._acknowledgements
+    for seconds, options in [
+            *[(0.02, {'period': 0.1})] * 6, *[(0.1, {'period': 0.2})] * 2,
+            (0.5, {'period': 0.2}), (0.02, {}),
+            (0.5, {'period': 0.2, 'wait_for': 'cmd_vel'}),  # no message comes in its last 0.1 s
+            (0.4, {'period': 0.2, 'wait_for': 'cmd_vel'})]:
+        robot.advance(seconds, **options)
+        assert acknowledgements.of('/my_planner') == round(robot.time * 1e9)
+
+
 def test_a_node_in_lockstep_is_found_though_the_graph_does_not_tell_whose_topics_are(
         diffdrive, files, monkeypatch):
     def unknown(*_):
