@@ -16,6 +16,7 @@
 
 from typing import Dict, Iterator, List, Optional, Set, Tuple
 
+from diffdrive_kinematics.ros.messages.messages import nanoseconds
 from diffdrive_kinematics.testing.lockstep import IDLE_QOS, IDLE_TOPIC
 from rclpy.node import Node
 from std_msgs.msg import Header
@@ -77,4 +78,4 @@ class Acknowledgements:
     def _on_idle(self, message: Header) -> None:
         name, *ends = message.frame_id.split(' ')
         self._ends[name] = [[topic for topic in each.split(',') if topic] for each in ends]
-        self._times_ns[name] = message.stamp.sec * 10**9 + message.stamp.nanosec
+        self._times_ns[name] = nanoseconds(message.stamp)

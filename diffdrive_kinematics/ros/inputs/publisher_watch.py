@@ -75,7 +75,7 @@ class PublisherWatch:
     """
 
     def __init__(self, node: Any, topic: str, subscription: Subscription, remedy: str) -> None:
-        self._node, self._topic, self._remedy = node, topic, remedy
+        self._node, self._topic, self._remedy = node, node.resolve_topic_name(topic), remedy
         self._count_of, self._names = subscription.get_publisher_count, PublisherNames(node, topic)
         self.count = 0
         self._said, self._problem = 0, ''  # the count that was said last, and the words
@@ -96,12 +96,10 @@ class PublisherWatch:
             self._node.get_logger().warning(self._problem)
         elif was > 1:
             self._problem = ''
-            topic = self._node.resolve_topic_name(self._topic)
-            self._node.get_logger().info(f"'{topic}' has no more than one publisher again")
+            self._node.get_logger().info(f"'{self._topic}' has no more than one publisher again")
 
     def _words(self, names: str = '') -> str:
-        topic = self._node.resolve_topic_name(self._topic)
-        return f"{self.count} publishers of '{topic}'{names}: {self._remedy}"
+        return f"{self.count} publishers of '{self._topic}'{names}: {self._remedy}"
 
     def problems(self) -> List[Problem]:
         """Return what is wrong, for diagnostics."""
