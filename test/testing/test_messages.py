@@ -112,17 +112,21 @@ def test_a_node_is_told_the_number_of_a_message_and_misses_those_of_the_lost(hea
         runtime.listen(Float64, 'told', lambda *each: told.append(each), informed=True)
         if heard_elsewhere:
             third.create_subscription(Float64, 'told', print, 10)
-        spin_until(executor, lambda: (
-            publisher.get_subscription_count() == 1 + heard_elsewhere))
-        messages.disturbances.lose('/told', 0.5, seed=0)
-        for number in range(1, 21):
-            publisher.publish(Float64(data=float(number)))
-            messages.hand_over()
-            spin_until(executor, messages.settled)
-        assert 5 < len(told) < 15
-        assert [info for _, info in told] == [
-            MessageInfo(round(message.data)) for message, _ in told]
-        executor.shutdown()
+        try:
+            spin_until(executor, lambda: (
+                publisher.get_subscription_count() == 1 + heard_elsewhere))
+            messages.disturbances.lose('/told', 0.5, seed=0)
+            for number in range(1, 21):
+                publisher.publish(Float64(data=float(number)))
+                messages.hand_over()
+                spin_until(executor, messages.settled)
+            assert 5 < len(told) < 15
+            assert [info for _, info in told] == [
+                MessageInfo(round(message.data)) for message, _ in told]
+        finally:
+            executor.shutdown()
+            for each in (node, other, third):  # else they are heard in the domain's next test
+                each.destroy_node()
 
 
 def test_what_processes_say_is_kept_when_the_first_who_hears_it_is_killed(diffdrive, files):
