@@ -14,42 +14,21 @@
 
 """Ends what a test has started, also where the test itself is killed and cannot."""
 
+from contextlib import suppress
 import os
 from pathlib import Path
 import re
+import signal
 import subprocess
 import sys
+import time
 from typing import Set
 
-__all__ = ['Guardian', 'shared_memory_of']
+__all__ = ['Guardian', 'shared_memory_in_use', 'shared_memory_of']
 
 SHARED_MEMORY = re.compile(r'/dev/shm/\S*fast(?:dds|rtps)_\S+')
-SCRIPT = r"""
-import os, signal, sys
-groups, files, own = set(), set(), set()
-for line in sys.stdin:
-    kind, what = line[0], line[1:].strip()
-    if kind == '+':
-        groups.add(int(what))
-    elif kind == '-':
-        groups.discard(int(what))
-    elif kind == 'f':
-        files.add(what)
-    elif kind == 'o':
-        own.add(what)
-    else:
-        own.clear()
-for group in groups:
-    try:
-        os.killpg(group, signal.SIGKILL)
-    except OSError:
-        pass
-for file in files | own:
-    try:
-        os.unlink(file)
-    except OSError:
-        pass
-"""
+PORT = re.compile(r'/dev/shm/(fast\w+_port\d+)')
+PATIENCE_S = 5.0  # until processes that were killed are gone
 
 
 def shared_memory_of(pid: int) -> Set[str]:
@@ -59,7 +38,13 @@ def shared_memory_of(pid: int) -> Set[str]:
     except OSError:
         return set()
     found = set(SHARED_MEMORY.findall(maps))
-    return found | {f'{each}_el' for each in found if '/fast' in each}
+    return found | {f'{each}_el' for each in found if '/fast' in each} | {
+        f'/dev/shm/sem.{port}_mutex' for port in PORT.findall(maps)}
+
+
+def shared_memory_in_use() -> Set[str]:
+    """Return the files of Fast DDS in shared memory that any process uses."""
+    return set().union(*map(shared_memory_of, map(int, filter(str.isdigit, os.listdir('/proc')))))
 
 
 class Guardian:
@@ -67,7 +52,7 @@ class Guardian:
 
     def __init__(self) -> None:
         self._popen = subprocess.Popen(
-            [sys.executable, '-I', '-S', '-c', SCRIPT], stdin=subprocess.PIPE, text=True,
+            [sys.executable, '-I', '-S', __file__], stdin=subprocess.PIPE, text=True,
             stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True)
         self.note_own()
 
@@ -102,3 +87,48 @@ class Guardian:
             self._popen.stdin.flush()
         except (BrokenPipeError, ValueError):  # it was killed, or has done its work
             pass
+
+
+def main() -> None:
+    """
+    Read what to end and to delete, and do so at the end of the input.
+
+    The number of a port is given out again once its process has ended, to whatever domain, and
+    who loses the file of a port is deaf from then on.  So what somebody uses by now stays.
+    """
+    groups: Set[int] = set()
+    files: Set[str] = set()
+    own: Set[str] = set()
+    for line in sys.stdin:
+        kind, what = line[0], line[1:].strip()
+        if kind == '+':
+            groups.add(int(what))
+        elif kind == '-':
+            groups.discard(int(what))
+        elif kind == 'f':
+            files.add(what)
+        elif kind == 'o':
+            own.add(what)
+        else:
+            own.clear()
+    for group in groups:
+        _signal(group, signal.SIGKILL)
+    deadline = time.monotonic() + PATIENCE_S
+    while any(_signal(group, 0) for group in groups) and time.monotonic() < deadline:
+        time.sleep(0.01)
+    for file in (files | own) - shared_memory_in_use():
+        with suppress(OSError):
+            os.unlink(file)
+
+
+def _signal(group: int, number: int) -> bool:
+    """Send a signal to a process group; return whether there is one."""
+    try:
+        os.killpg(group, number)
+    except OSError:
+        return False
+    return True
+
+
+if __name__ == '__main__':
+    main()

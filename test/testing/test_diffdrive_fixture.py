@@ -15,17 +15,22 @@
 """The fixture ``diffdrive``, which users of the package test their nodes with."""
 
 import math
+import os
 from pathlib import Path
 import re
 import subprocess
 import sys
 
 from diffdrive_kinematics.testing import stepping
+from diffdrive_kinematics.testing.guardian import (
+    Guardian, shared_memory_in_use, shared_memory_of)
 from diffdrive_kinematics.testing.processes import ProcessFailed
 from geometry_msgs.msg import PoseStamped, Twist
 import pytest
+import rclpy
 from std_srvs.srv import Trigger
 from support.graph import twist
+from support.inside import initialised
 from support.planners import NOISE, ROBOT
 
 pytestmark = pytest.mark.ros
@@ -190,7 +195,20 @@ def test_every_process_ends_with_the_test_even_one_that_ignores_it(diffdrive, fi
     robot.close()
     assert not process.running
     assert process.shared_memory
-    assert not [each for each in process.shared_memory if Path(each).exists()]
+    left = process.shared_memory - shared_memory_in_use()  # by other processes of this machine
+    assert not [each for each in left if Path(each).exists()]
+
+
+def test_shared_memory_whose_name_another_node_has_by_now_stays():
+    """Numbers of ports are given out again, on all of the machine, once a process has ended."""
+    with initialised():
+        node = rclpy.create_node('other')
+        theirs = {each for each in shared_memory_of(os.getpid()) if Path(each).exists()}
+        guardian = Guardian()
+        guardian.sweep(theirs)
+        guardian.close()
+        assert {each for each in theirs if Path(each).exists()} == theirs
+        node.destroy_node()
 
 
 def test_robots_of_one_test_do_not_hear_each_other(diffdrive):
