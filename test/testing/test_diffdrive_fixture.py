@@ -15,6 +15,7 @@
 """The fixture ``diffdrive``, which users of the package test their nodes with."""
 
 import math
+import mmap
 import os
 from pathlib import Path
 import re
@@ -22,15 +23,12 @@ import subprocess
 import sys
 
 from diffdrive_kinematics.testing import stepping
-from diffdrive_kinematics.testing.guardian import (
-    Guardian, shared_memory_in_use, shared_memory_of)
+from diffdrive_kinematics.testing.guardian import Guardian, shared_memory_in_use
 from diffdrive_kinematics.testing.processes import ProcessFailed
 from geometry_msgs.msg import PoseStamped, Twist
 import pytest
-import rclpy
 from std_srvs.srv import Trigger
 from support.graph import twist
-from support.inside import initialised
 from support.planners import NOISE, ROBOT
 
 pytestmark = pytest.mark.ros
@@ -199,16 +197,23 @@ def test_every_process_ends_with_the_test_even_one_that_ignores_it(diffdrive, fi
     assert not [each for each in left if Path(each).exists()]
 
 
-def test_shared_memory_whose_name_another_node_has_by_now_stays():
+def test_shared_memory_whose_name_another_process_has_by_now_stays():
     """Numbers of ports are given out again, on all of the machine, once a process has ended."""
-    with initialised():
-        node = rclpy.create_node('other')
-        theirs = {each for each in shared_memory_of(os.getpid()) if Path(each).exists()}
-        guardian = Guardian()
-        guardian.sweep(theirs)
-        guardian.close()
-        assert {each for each in theirs if Path(each).exists()} == theirs
-        node.destroy_node()
+    port, left = (f'fastrtps_port{kind}{os.getpid()}' for kind in (1000000, 2000000))
+    theirs, nobodys = (
+        [Path('/dev/shm') / f'{begin}{name}{end}' for begin, end in (
+            ('', ''), ('', '_el'), ('sem.', '_mutex'))] for name in (port, left))
+    for each in theirs + nobodys:
+        each.write_bytes(bytes(4096))
+    try:
+        with theirs[0].open('r+b') as file, mmap.mmap(file.fileno(), 0):
+            guardian = Guardian()
+            guardian.sweep(set(map(str, theirs + nobodys)))
+            guardian.close()
+            assert [each for each in theirs + nobodys if each.exists()] == theirs
+    finally:
+        for each in theirs:
+            each.unlink(missing_ok=True)
 
 
 def test_robots_of_one_test_do_not_hear_each_other(diffdrive):
