@@ -15,6 +15,7 @@
 """Ends what a test has started, also where the test itself is killed and cannot."""
 
 from contextlib import suppress
+import fcntl
 import os
 from pathlib import Path
 import re
@@ -24,27 +25,35 @@ import sys
 import time
 from typing import Set
 
-__all__ = ['Guardian', 'shared_memory_in_use', 'shared_memory_of']
+__all__ = ['delete_shared_memory', 'Guardian', 'shared_memory_of']
 
-SHARED_MEMORY = re.compile(r'/dev/shm/\S*fast(?:dds|rtps)_\S+')
-PORT = re.compile(r'/dev/shm/(fast\w+_port\d+)')
+LOCK = re.compile(r'(/dev/shm/fast(?:dds|rtps)_\w+)_el')  # locked by the one who has the memory
 PATIENCE_S = 5.0  # until processes that were killed are gone
 
 
 def shared_memory_of(pid: int) -> Set[str]:
-    """Return the files of Fast DDS in shared memory that a process uses, as far as it is alive."""
-    try:
-        maps = Path(f'/proc/{pid}/maps').read_text(encoding='utf-8')
-    except OSError:
-        return set()
-    found = set(SHARED_MEMORY.findall(maps))
-    return found | {f'{each}_el' for each in found if '/fast' in each} | {
-        f'/dev/shm/sem.{port}_mutex' for port in PORT.findall(maps)}
+    """Return the names of what a process has of Fast DDS in shared memory, not that of others."""
+    found: Set[str] = set()
+    with suppress(OSError):  # it may end meanwhile
+        for each in Path(f'/proc/{pid}/fd').iterdir():
+            with suppress(OSError):
+                lock = LOCK.fullmatch(os.readlink(each))
+                found.update(lock.groups() if lock else ())
+    return found
 
 
-def shared_memory_in_use() -> Set[str]:
-    """Return the files of Fast DDS in shared memory that any process uses."""
-    return set().union(*map(shared_memory_of, map(int, filter(str.isdigit, os.listdir('/proc')))))
+def delete_shared_memory(name: str) -> None:
+    """
+    Delete what an ended process had in shared memory.
+
+    The number of a port is given out again, on all of the machine, and who loses the file of a
+    port is deaf from then on.  So what is locked stays: it is another process's by now.
+    """
+    with suppress(OSError), open(f'{name}_el', 'rb') as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        for file in (name, name.replace('/shm/', '/shm/sem.') + '_mutex', f'{name}_el'):
+            with suppress(FileNotFoundError):
+                os.unlink(file)
 
 
 class Guardian:
@@ -62,18 +71,18 @@ class Guardian:
 
     def note_own(self) -> None:
         """Delete what this process has in shared memory where it is killed."""
-        for file in sorted(shared_memory_of(os.getpid())):
-            self._tell(f'o{file}')
+        for name in shared_memory_of(os.getpid()):
+            self._tell(f'o{name}')
 
-    def release(self, group: int, files: Set[str]) -> None:
-        """Leave a process group that has ended alone, and delete its files in the end."""
+    def release(self, group: int, shared_memory: Set[str]) -> None:
+        """Leave a process group that has ended alone, and delete its memory in the end."""
         self._tell(f'-{group}')
-        self.sweep(files)
+        self.sweep(shared_memory)
 
-    def sweep(self, files: Set[str]) -> None:
-        """Delete files in the end."""
-        for file in sorted(files):
-            self._tell(f'f{file}')
+    def sweep(self, shared_memory: Set[str]) -> None:
+        """Delete shared memory in the end, unless it is locked."""
+        for name in shared_memory:
+            self._tell(f'f{name}')
 
     def close(self) -> None:
         """Have the rest ended and deleted now; what this process has it deletes itself."""
@@ -90,14 +99,9 @@ class Guardian:
 
 
 def main() -> None:
-    """
-    Read what to end and to delete, and do so at the end of the input.
-
-    The number of a port is given out again once its process has ended, to whatever domain, and
-    who loses the file of a port is deaf from then on.  So what somebody uses by now stays.
-    """
+    """Read what to end and to delete, and do so at the end of the input."""
     groups: Set[int] = set()
-    files: Set[str] = set()
+    names: Set[str] = set()
     own: Set[str] = set()
     for line in sys.stdin:
         kind, what = line[0], line[1:].strip()
@@ -106,7 +110,7 @@ def main() -> None:
         elif kind == '-':
             groups.discard(int(what))
         elif kind == 'f':
-            files.add(what)
+            names.add(what)
         elif kind == 'o':
             own.add(what)
         else:
@@ -116,9 +120,8 @@ def main() -> None:
     deadline = time.monotonic() + PATIENCE_S
     while any(_signal(group, 0) for group in groups) and time.monotonic() < deadline:
         time.sleep(0.01)
-    for file in (files | own) - shared_memory_in_use():
-        with suppress(OSError):
-            os.unlink(file)
+    for name in names | own:
+        delete_shared_memory(name)
 
 
 def _signal(group: int, number: int) -> bool:

@@ -14,8 +14,9 @@
 
 """The fixture ``diffdrive``, which users of the package test their nodes with."""
 
+from contextlib import suppress
+import fcntl
 import math
-import mmap
 import os
 from pathlib import Path
 import re
@@ -23,7 +24,7 @@ import subprocess
 import sys
 
 from diffdrive_kinematics.testing import stepping
-from diffdrive_kinematics.testing.guardian import Guardian, shared_memory_in_use
+from diffdrive_kinematics.testing.guardian import Guardian, shared_memory_of
 from diffdrive_kinematics.testing.processes import ProcessFailed
 from geometry_msgs.msg import PoseStamped, Twist
 import pytest
@@ -32,6 +33,15 @@ from support.graph import twist
 from support.planners import NOISE, ROBOT
 
 pytestmark = pytest.mark.ros
+
+
+def inodes(names):
+    """Return what there is of files now; one that is made anew under an old name is another."""
+    found = set()
+    for name in names:
+        with suppress(FileNotFoundError):
+            found.add((name, os.stat(name).st_ino))
+    return found
 
 
 def test_the_example_of_the_tutorial_passes_as_it_is_written(files):
@@ -190,30 +200,32 @@ def test_every_process_ends_with_the_test_even_one_that_ignores_it(diffdrive, fi
                         'rclpy.signals.SignalHandlerOptions.NO)'))
     robot = diffdrive(params=ROBOT)
     process = robot.start_process([sys.executable, path])
+    used = inodes(process.shared_memory)
     robot.close()
     assert not process.running
-    assert process.shared_memory
-    left = process.shared_memory - shared_memory_in_use()  # by other processes of this machine
-    assert not [each for each in left if Path(each).exists()]
+    assert len(used) > 1  # its own memory, and a port
+    assert not used & inodes(process.shared_memory)
 
 
 def test_shared_memory_whose_name_another_process_has_by_now_stays():
     """Numbers of ports are given out again, on all of the machine, once a process has ended."""
-    port, left = (f'fastrtps_port{kind}{os.getpid()}' for kind in (1000000, 2000000))
-    theirs, nobodys = (
-        [Path('/dev/shm') / f'{begin}{name}{end}' for begin, end in (
-            ('', ''), ('', '_el'), ('sem.', '_mutex'))] for name in (port, left))
-    for each in theirs + nobodys:
-        each.write_bytes(bytes(4096))
+    theirs, nobodys = (f'/dev/shm/fastrtps_port{kind}{os.getpid()}' for kind in (1, 2))
+    files = {name: [Path(name), Path(name.replace('shm/', 'shm/sem.') + '_mutex'),
+                    Path(f'{name}_el')] for name in (theirs, nobodys)}
+    for each in files[theirs] + files[nobodys]:
+        each.touch()
     try:
-        with theirs[0].open('r+b') as file, mmap.mmap(file.fileno(), 0):
+        with files[theirs][-1].open() as lock:
+            fcntl.flock(lock, fcntl.LOCK_EX)
+            assert shared_memory_of(os.getpid()) >= {theirs}
             guardian = Guardian()
-            guardian.sweep(set(map(str, theirs + nobodys)))
+            guardian.sweep({theirs, nobodys})
             guardian.close()
-            assert [each for each in theirs + nobodys if each.exists()] == theirs
+            assert [each for each in files[theirs] + files[nobodys] if each.exists()] \
+                == files[theirs]
     finally:
-        for each in theirs:
-            each.unlink(missing_ok=True)
+        for each in files[theirs]:
+            each.unlink()
 
 
 def test_robots_of_one_test_do_not_hear_each_other(diffdrive):
