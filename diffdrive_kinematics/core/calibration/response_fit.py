@@ -23,8 +23,7 @@ from dataclasses import replace
 from typing import List, NamedTuple, Sequence, Tuple
 
 from diffdrive_kinematics.core.calibration.calibration_parameters import CalibrationParameters
-from diffdrive_kinematics.core.calibration.drive_odometry import (
-    calibrated_travel, nodes_of, path_of)
+from diffdrive_kinematics.core.calibration.drive_odometry import odometry_at
 from diffdrive_kinematics.core.calibration.recorded_drive import RecordedDrive
 from diffdrive_kinematics.core.calibration.response_drive import (
     commands_of, reference_motion, responded)
@@ -159,8 +158,7 @@ def fit_form(
     >>> bare = drive_from_commands(stamps, asked, stamps, np.zeros((600, 3)), geometry=geometry)
     >>> moved = responded(geometry, bare, CommandResponse(0.2, 1.0, speed_gain=0.9))
     >>> drive = drive_from_commands(
-    ...     stamps, asked, stamps, path_of(*calibrated_travel(
-    ...         geometry, moved, CalibrationParameters())), geometry=geometry)
+    ...     stamps, asked, stamps, odometry_at(geometry, moved, AS_GIVEN), geometry=geometry)
     >>> found = fit_form(geometry, [drive], fit_heading(geometry, [drive]), 'gains')
     >>> round(found.response.speed_gain, 3), round(found.response.yaw_rate_gain, 3)
     (0.9, 1.0)
@@ -236,9 +234,7 @@ def _part(drive: RecordedDrive, windows: Windows) -> _Part:
 
 def _errors(geometry: WheelGeometry, part: _Part, fitted: FittedResponse) -> Array:
     drive, (start, end, _) = part
-    moved = responded(geometry, drive, fitted.response)
-    travel, separation = calibrated_travel(geometry, moved, AS_GIVEN)
-    pose = nodes_of(moved, AS_GIVEN, travel, separation, path_of(travel, separation)).pose
+    pose = odometry_at(geometry, responded(geometry, drive, fitted.response), AS_GIVEN)
     told = np.einsum('wij,wj->wi', rotations(-pose[start, 2]), pose[end] - pose[start])
     error: Array = reference_motion(drive, start, end, fitted.frame) - told
     error[:, 2] = wrap_angle(error[:, 2])
