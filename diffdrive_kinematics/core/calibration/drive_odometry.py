@@ -22,7 +22,8 @@ into one of the arcs, of which it takes a part.
 from typing import NamedTuple, Tuple
 
 from diffdrive_kinematics.core.calibration.calibration_parameters import CalibrationParameters
-from diffdrive_kinematics.core.calibration.recorded_drive import Indices, RecordedDrive
+from diffdrive_kinematics.core.calibration.recorded_drive import (
+    Indices, on_wheel_clock, RecordedDrive)
 from diffdrive_kinematics.core.kinematics import Array, WheelGeometry
 import numpy as np
 
@@ -85,29 +86,6 @@ def odometry_at(
     """
     travel, separation = calibrated_travel(geometry, drive, systematic)
     return nodes_of(drive, systematic, travel, separation, path_of(travel, separation)).pose
-
-
-def since_middle(drive: RecordedDrive) -> Array:
-    """
-    Return the stamps of the reference from the middle of the wheels' stamps.
-
-    Parameters
-    ----------
-    drive : RecordedDrive
-        Wheels, and stamps of the m samples.
-
-    Returns
-    -------
-    numpy.ndarray, shape (m,)
-        Times [s], which a drift of the clocks multiplies.
-
-    Examples
-    --------
-    See :func:`nodes_of`.
-
-    """
-    found: Array = drive.reference_time - 0.5 * (drive.time[0] + drive.time[-1])
-    return found
 
 
 def calibrated_travel(
@@ -206,11 +184,11 @@ def nodes_of(
     >>> systematic = CalibrationParameters()
     >>> travel, separation = calibrated_travel(WheelGeometry(0.5, 0.125), drive, systematic)
     >>> nodes = nodes_of(drive, systematic, travel, separation, path_of(travel, separation))
-    >>> nodes.pose[:, 0].round(6), nodes.interval, nodes.fraction, since_middle(drive)
-    (array([0. , 1.5]), array([0, 1]), array([0. , 0.5]), array([-1. ,  0.5]))
+    >>> nodes.pose[:, 0].round(6), nodes.interval, nodes.fraction
+    (array([0. , 1.5]), array([0, 1]), array([0. , 0.5]))
 
     """
-    time = drive.reference_time - systematic.offset - systematic.drift * since_middle(drive)
+    time = on_wheel_clock(drive, systematic)
     interval = np.clip(np.searchsorted(drive.time, time, side='right') - 1, 0, len(travel) - 1)
     period = np.diff(drive.time)[interval]
     fraction = (time - drive.time[interval]) / period

@@ -29,12 +29,11 @@ those whose slip is wanted where the systematic errors are not known far better 
 from dataclasses import replace
 from itertools import chain
 import math
-from typing import List, Optional, Sequence, Tuple
+from typing import Any, Dict, List, Optional, Sequence, Tuple
 
 from diffdrive_kinematics.core.calibration.calibration_parameters import CalibrationParameters
-from diffdrive_kinematics.core.calibration.drive_odometry import since_middle
 from diffdrive_kinematics.core.calibration.estimate import Estimate
-from diffdrive_kinematics.core.calibration.recorded_drive import RecordedDrive
+from diffdrive_kinematics.core.calibration.recorded_drive import on_wheel_clock, RecordedDrive
 from diffdrive_kinematics.core.calibration.slip_choice import choose_slip
 from diffdrive_kinematics.core.calibration.slip_fit import fit_slip
 from diffdrive_kinematics.core.calibration.slip_result import SlipFit
@@ -88,7 +87,7 @@ def slip_windows(
     calibrated = replace(
         geometry,
         wheel_separation_multiplier=geometry.wheel_separation_multiplier * systematic.separation)
-    stamps = drive.reference_time - systematic.offset - systematic.drift * since_middle(drive)
+    stamps = on_wheel_clock(drive, systematic)
     radii = np.array([geometry.left_radius * systematic.left,
                       geometry.right_radius * systematic.right])
     poses, twists = _centre(drive.reference, systematic), _twists(calibrated, drive, radii, stamps)
@@ -172,14 +171,10 @@ def fit_drive_slip(
     whole = _fitted(groups, equal, terms)
     others = [_fitted(groups[:n] + groups[n + 1:], equal, whole.terms) for n in range(len(groups))]
 
-    def estimate(name: str) -> Estimate:
-        return _jackknifed([getattr(each, name) for each in (whole, *others)])
-
-    return replace(
-        whole, k_left=estimate('k_left'), k_right=estimate('k_right'), linear=estimate('linear'),
-        turn=estimate('turn'), heading=estimate('heading'),
-        sigma_position=estimate('sigma_position'), sigma_heading=estimate('sigma_heading'),
-        sigma_time=estimate('sigma_time'))
+    estimates: Dict[str, Any] = {
+        name: _jackknifed([getattr(each, name) for each in (whole, *others)])
+        for name, value in vars(whole).items() if isinstance(value, Estimate)}
+    return replace(whole, **estimates)
 
 
 def _fitted(

@@ -22,6 +22,7 @@ less than half a turn from one to the next are needed.
 
 from dataclasses import dataclass, replace
 
+from diffdrive_kinematics.core.calibration.calibration_parameters import CalibrationParameters
 from diffdrive_kinematics.core.calibration.recorded_rows import latest_rows
 from diffdrive_kinematics.core.kinematics import Array
 import numpy as np
@@ -180,3 +181,52 @@ def drive_from_positions(
     seen, poses, unseen = latest_rows('reference_time', reference_time, 'reference', reference, 3)
     poses[:, 2] = np.unwrap(poses[:, 2])
     return RecordedDrive(stamps, angles, seen, poses, replaced + unseen)
+
+
+def since_middle(drive: RecordedDrive) -> Array:
+    """
+    Return the stamps of the reference from the middle of the wheels' stamps.
+
+    Parameters
+    ----------
+    drive : RecordedDrive
+        Wheels, and stamps of the m samples.
+
+    Returns
+    -------
+    numpy.ndarray, shape (m,)
+        Times [s], which a drift of the clocks multiplies.
+
+    Examples
+    --------
+    See :func:`on_wheel_clock`.
+
+    """
+    found: Array = drive.reference_time - 0.5 * (drive.time[0] + drive.time[-1])
+    return found
+
+
+def on_wheel_clock(drive: RecordedDrive, systematic: CalibrationParameters) -> Array:
+    """
+    Return the stamps of the reference on the clock of the wheels.
+
+    Parameters
+    ----------
+    drive : RecordedDrive
+        Wheels, and stamps of the m samples.
+    systematic : CalibrationParameters
+        Offset and drift of the clocks.
+
+    Returns
+    -------
+    numpy.ndarray, shape (m,)
+        Stamps [s].
+
+    Examples
+    --------
+    >>> drive = drive_from_positions([0.0, 2.0], np.zeros((2, 2)), [0.0, 1.5], np.zeros((2, 3)))
+    >>> since_middle(drive), on_wheel_clock(drive, CalibrationParameters(offset=0.5))
+    (array([-1. ,  0.5]), array([-0.5,  1. ]))
+
+    """
+    return drive.reference_time - systematic.offset - systematic.drift * since_middle(drive)

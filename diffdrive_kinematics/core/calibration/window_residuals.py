@@ -29,9 +29,10 @@ from typing import Tuple
 
 from diffdrive_kinematics.core.calibration.calibration_parameters import CalibrationParameters
 from diffdrive_kinematics.core.calibration.drive_odometry import (
-    calibrated_travel, nodes_of, path_of, since_middle)
+    calibrated_travel, nodes_of, path_of)
 from diffdrive_kinematics.core.calibration.interval_sums import interval_sums
-from diffdrive_kinematics.core.calibration.recorded_drive import Indices, RecordedDrive
+from diffdrive_kinematics.core.calibration.recorded_drive import (
+    Indices, RecordedDrive, since_middle)
 from diffdrive_kinematics.core.calibration.trajectory_windows import WindowSet
 from diffdrive_kinematics.core.calibration.white_errors import from_entries
 from diffdrive_kinematics.core.kinematics import Array, WheelGeometry, wrap_angle
