@@ -66,21 +66,12 @@ def student_quantile(share: float, degrees: int) -> float:
     float
         Number of standard errors.
 
-    Raises
-    ------
-    ValueError
-        If an argument is out of its range.
-
     Examples
     --------
     >>> f'{student_quantile(0.95, 4):.3f} {student_quantile(0.95, 1000):.3f}'
     '2.776 1.962'
 
     """
-    if not 0.0 < share < 1.0:
-        raise ValueError(f'share is {share!r}, expected above 0 and below 1')
-    if degrees < 1:
-        raise ValueError(f'degrees is {degrees!r}, expected at least 1')
     low, high = 0.0, 0.5 * math.pi  # of the angle, as t has no bound
     for _ in range(60):
         middle = 0.5 * (low + high)
