@@ -144,9 +144,9 @@ def linearised(
     by_wheels = along @ sums[:9].reshape(3, 3, -1).transpose(2, 0, 1)
     slip = along @ from_entries(sums[9:]) @ along.transpose(0, 2, 1)
     wheels, back = _relative(nodes.pose, start, end)
-    by_time = _moved(nodes.twist, nodes.pose, back, wheels, start, end)
+    by_time = _moved(nodes.twist, back, wheels, start, end)
     late = since_middle(drive)[:, None]
-    by_drift = _moved(nodes.twist * late, nodes.pose, back, wheels, start, end)
+    by_drift = _moved(nodes.twist * late, back, wheels, start, end)
     seen, by_frame, at_start, at_end = _reference(drive.reference, systematic, start, end)
     error = seen - wheels
     error[:, 2] = wrap_angle(error[:, 2])
@@ -164,9 +164,7 @@ def _relative(poses: Array, start: Indices, end: Indices) -> Tuple[Array, Array]
     return found, back
 
 
-def _moved(
-        change: Array, pose: Array, back: Array, relative: Array, start: Indices, end: Indices
-) -> Array:
+def _moved(change: Array, back: Array, relative: Array, start: Indices, end: Indices) -> Array:
     """Return how relative poses change as both poses change, shape (w, 3)."""
     moved: Array = np.einsum('wij,wj->wi', back, change[end] - change[start])
     moved[:, 0] += relative[:, 1] * change[start, 2]

@@ -99,13 +99,13 @@ def pieces_of(
     held: Box = tuple((float(value), float(value)) for value in system.within(start)[3:])
     pieces: List[Piece] = []
     for command, duration in steps:
-        box = _box(system, start, command, disturbance)
+        box = _box(system, command, disturbance)
         held, cut = _cut(robot, chain, held, box, duration)
         pieces += cut
     return robot, pieces
 
 
-def _box(system: ControlSystem, start: Vector, command: Vector, disturbance: Disturbance) -> Box:
+def _box(system: ControlSystem, command: Vector, disturbance: Disturbance) -> Box:
     """Return what the bounds of the commands leave of u + W(u)."""
     half = disturbance.bounds(command)
     if not all(map(math.isfinite, half)):
