@@ -18,8 +18,6 @@ Covariance that the slip of the body gathers along a recorded path, beside that 
 As :mod:`.covariance_along`, to first order: linear in the constants, which is what a fit needs.
 """
 
-from typing import Tuple
-
 from diffdrive_kinematics.core.kinematics import Array
 from diffdrive_kinematics.core.noise.path_arcs import ArcsAlong
 import numpy as np
@@ -56,11 +54,6 @@ def body_covariance_along(arcs: ArcsAlong) -> Array:
     '1.0 0.0 1.0 0.333'
 
     """
-    return arcs.gathered(_added(arcs))
-
-
-def _added(arcs: ArcsAlong) -> Tuple[Array, ...]:
-    """Return what each arc adds, in the axes of its middle direction, six times shape (3, n)."""
     e_mean, e_square, sine_square = arcs.means
     distance, half = arcs.distance, arcs.half
     none, one = np.zeros_like(half), np.ones_like(half)
@@ -70,5 +63,5 @@ def _added(arcs: ArcsAlong) -> Tuple[Array, ...]:
     of_heading = (0.25 * distance**2 * e_square, middle * across, middle,
                   across**2 + 0.25 * distance**2 * sine_square, across, one)
     along, around = np.abs(distance), np.abs(arcs.turn)
-    return tuple(np.stack([along * a, around * b, along * b])
-                 for a, b in zip(of_distance, of_heading))
+    return arcs.gathered(tuple(  # what each arc adds, in the axes of its middle direction: (3, n)
+        np.stack([along * a, around * b, along * b]) for a, b in zip(of_distance, of_heading)))

@@ -19,8 +19,6 @@ The same closed form as :func:`.slip_covariance`, on arrays: where a path is kno
 each arc's part is swung by all the motion that is left, and the parts are added.
 """
 
-from typing import Tuple
-
 from diffdrive_kinematics.core.kinematics import Array
 from diffdrive_kinematics.core.noise.path_arcs import ArcsAlong
 import numpy as np
@@ -53,11 +51,6 @@ def covariance_along(arcs: ArcsAlong) -> Array:
     'Var theta = 8.0e-04 rad^2'
 
     """
-    return arcs.gathered(_added(arcs))
-
-
-def _added(arcs: ArcsAlong) -> Tuple[Array, ...]:
-    """Return what each arc adds, in the axes of its middle direction, six times shape (2, n)."""
     e_mean, e_square, sine_square = arcs.means
     separation, travel = arcs.separation, arcs.travel.T
     cosine, sign = np.cos(arcs.half), np.array([[-1.0], [1.0]])
@@ -65,10 +58,10 @@ def _added(arcs: ArcsAlong) -> Tuple[Array, ...]:
     lever = -sign * travel[::-1] / (2.0 * separation)
     along = 0.5 * cosine + lever * e_mean
     across = arcs.chord / (2.0 * separation)
-    return (
+    return arcs.gathered((  # what each arc adds, in the axes of its middle direction: (2, n)
         variance * (0.25 * cosine**2 + lever * (cosine * e_mean + lever * e_square)),
         variance * sign * across * along,
         variance * sign * along / separation,
         variance * (across**2 + lever**2 * sine_square),
         variance * across / separation,
-        variance / separation**2)
+        variance / separation**2))
