@@ -17,6 +17,8 @@
 import math
 from typing import NamedTuple, Sequence, Tuple
 
+import numpy as np
+
 SHARE = 0.25  # of the longest way
 STANDS = 0.1  # of the longest way
 Floats = Tuple[float, ...]
@@ -102,7 +104,7 @@ def judged(
     (True, (False, False, True))
 
     """
-    longest, middle = max(map(abs, known)), _median(known)
+    longest, middle = max(map(abs, known)), float(np.median(known))
     silent = tuple(out and travel != travel for travel, out in zip(travels, left_out))
     if max(known) - min(known) <= SHARE * longest:
         return any(silent), silent
@@ -113,8 +115,3 @@ def judged(
     if any(stand) and other >= SHARE * longest:
         return True, tuple(a or b for a, b in zip(stand, silent))
     return True, left_out
-
-
-def _median(values: Sequence[float]) -> float:
-    ordered, half = sorted(values), len(values) // 2
-    return ordered[half] if len(values) % 2 else 0.5 * (ordered[half - 1] + ordered[half])
