@@ -89,11 +89,9 @@ class AnsweredMotion(NamedTuple):
             waiting = (*waiting, WheelSample(
                 commanded[0] + self.delay_ns, self.answer(commanded[1]), source=sample.source))
         due = [each for each in waiting if each.stamp_ns <= now_ns]
+        later = tuple(each for each in waiting if each.stamp_ns > now_ns)
         if (last is None or back) and not due:
             due = [WheelSample(now_ns, ZERO, source=sample.source)]
-            later = waiting
-        else:
-            later = tuple(each for each in waiting if each.stamp_ns > now_ns)
         return self._replace(waiting=later, last=sample), due
 
     def configured(self, new: 'AnsweredMotion') -> 'AnsweredMotion':
