@@ -118,7 +118,7 @@ class MeasuredState(NamedTuple):
         See :class:`MeasuredState`.
 
         """
-        if self._bridged():
+        if self.check.believed and self.check.rates is not None:  # by its velocities
             return timeout_ns
         reach_ns = REACH * self.window.usual_ns
         return reach_ns if timeout_ns is None else min(reach_ns, timeout_ns)
@@ -133,10 +133,6 @@ class MeasuredState(NamedTuple):
         if -left <= rates[0] <= left and -right <= rates[1] <= right:
             return rates
         return max(-left, min(left, rates[0])), max(-right, min(right, rates[1]))
-
-    def _bridged(self) -> bool:
-        """Tell whether angles go on by the velocities of the driver."""
-        return self.check.believed and self.check.rates is not None
 
     def led(self, angle: WheelPair) -> WheelPair:
         """
