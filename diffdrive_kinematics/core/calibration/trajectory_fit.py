@@ -139,9 +139,7 @@ def _fitted(problem: Problem, clock: Clock, mean_radius_kept: bool, watch: Watch
         state, change = _with_mean_radius_kept(state)
         covariance = change @ covariance @ change.T
     after = _residual(state)
-    return replace(
-        _result(state, covariance, _before(state, after, watch), after, trace),
-        drift_ratios=ratios)
+    return _result(state, covariance, _before(state, after, watch), after, trace, ratios)
 
 
 def _before(state: FitState, after: Residual, watch: Watch) -> Residual:
@@ -207,7 +205,7 @@ def _with_mean_radius_kept(state: FitState) -> Tuple[FitState, Array]:
 
 def _result(
         state: FitState, covariance: Array, before: Residual, after: Residual,
-        trace: List[Iteration]) -> TrajectoryFit:
+        trace: List[Iteration], ratios: Ratios) -> TrajectoryFit:
     problem, errors = state.problem, np.sqrt(np.diag(covariance))
     systematics = problem.systematics(state.values)
 
@@ -224,4 +222,5 @@ def _result(
         names=tuple(each.name for each in problem.columns), covariance=covariance,
         variances=state.variances, before=before, after=after, windows=len(state.weights),
         in_gaps=sum(each.in_gaps for each in problem.windows),
-        outliers=int(np.count_nonzero(state.weights == 0.0)), trace=tuple(trace))
+        outliers=int(np.count_nonzero(state.weights == 0.0)), trace=tuple(trace),
+        drift_ratios=ratios)
