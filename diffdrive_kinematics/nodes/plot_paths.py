@@ -63,12 +63,6 @@ def build(values: Mapping[str, Any]) -> Union[Config, ModelConfig]:
     return Config(steps, each, geometry, wheel_slips(values), body_slip(values), values)
 
 
-def _pictures(config: Union[Config, ModelConfig]) -> List[Picture]:
-    if isinstance(config, ModelConfig):
-        return model_pictures(config)
-    return [picture_of(config)]
-
-
 def picture_of(config: Config) -> Picture:
     """Return what there is to see."""
     start, values = Pose(*config.values['initial_pose']), config.values
@@ -77,7 +71,11 @@ def picture_of(config: Config) -> Picture:
         seed=values['seed'], body=config.body)
     poses, moments, travels = _beliefs(start, config)
     after = range(config.each, len(poses), config.each)
-    boundaries = [_boundary(start, config, end) for end in after] if _bounded(config) else []
+    nominal = [travel_of_command(command, config.geometry) for command in config.steps]
+    boundaries = [
+        reachable_set_from_slip(
+            start, nominal[:end], config.geometry, *config.slips, body=config.body)
+        for end in after] if _bounded(config) else []
     return Picture(
         paths, Pose(*map(np.array, zip(*poses))), [
             (poses[i], moments[i].second_moment()) for i in after],
@@ -116,12 +114,6 @@ def _bounded(config: Config) -> bool:
             and math.isnan(config.values['initial_heading_concentration']))
 
 
-def _boundary(start: Pose, config: Config, end: int) -> Tuple[Any, Any]:
-    travels = [travel_of_command(command, config.geometry) for command in config.steps[:end]]
-    return reachable_set_from_slip(
-        start, travels, config.geometry, *config.slips, body=config.body)
-
-
 def _title(config: Config) -> str:
     values = config.values
     left, right = (1000.0 * math.sqrt(slip.variance) for slip in config.slips)
@@ -143,10 +135,13 @@ class PlotPaths(DiffDriveNode[Union[Config, ModelConfig]]):
 def work(_: Stop) -> int:
     """Draw the picture; return the exit status."""
     node = PlotPaths()
+    config = node.config
     file, overwrite = (node.parameters.values[name] for name in ('output', 'overwrite'))
     try:
         check_writable(file, overwrite=overwrite)
-        picture = drawn(_pictures(node.config), file.rpartition('.')[2])
+        pictures = (model_pictures(config) if isinstance(config, ModelConfig)
+                    else [picture_of(config)])
+        picture = drawn(pictures, file.rpartition('.')[2])
         write_files({file: picture}, overwrite=overwrite)
     except ImportError as error:
         raise ConfigurationError(f'plot_paths needs {MISSING} ({error})') from error
