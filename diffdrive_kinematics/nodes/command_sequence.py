@@ -16,7 +16,7 @@
 
 from dataclasses import dataclass
 from importlib import import_module
-from typing import Any, Dict, List, Mapping, Sequence, Set, Tuple
+from typing import Any, Dict, List, Mapping, Optional, Sequence, Set, Tuple
 
 from diffdrive_kinematics.core.commands import (
     Course, course_from_commands, course_from_recording, square_course, square_rounds, SquareRun)
@@ -100,6 +100,7 @@ class CommandSequence(DiffDriveNode[Config]):
         self._course = self.config.course
         self._repeat_ns = period_ns(values['publish_rate'])
         self._start_ns = -1
+        self._waited_since_ns: Optional[int] = None
         self._next = 0
         self._message = TwistCodec.of(values)
         self._loop = values['loop']
@@ -136,6 +137,7 @@ class CommandSequence(DiffDriveNode[Config]):
         else:
             self._send(now_ns, 0.0, 0.0)
             if not self._has_answers():
+                self._report_waiting(now_ns, step_ns)
                 return
             self._start_ns = now_ns
             self.get_logger().info(
@@ -184,9 +186,15 @@ class CommandSequence(DiffDriveNode[Config]):
             for subscription in self._answers.values():
                 self.runtime.unlisten(subscription)
             return True
-        self.get_logger().info(
-            self._waiting(), throttle_duration_sec=WAITING_REPORT_PERIOD_S, skip_first=True)
         return False
+
+    def _report_waiting(self, now_ns: int, step_ns: int) -> None:
+        """Say what is waited for after some time of this clock, and then not too often."""
+        since_ns = now_ns if self._waited_since_ns is None else self._waited_since_ns + step_ns
+        self._waited_since_ns = since_ns
+        if now_ns - since_ns >= WAITING_REPORT_PERIOD_S * 1e9:
+            self.get_logger().info(
+                self._waiting(), throttle_duration_sec=WAITING_REPORT_PERIOD_S)
 
     def _waiting(self) -> str:
         missing = sorted(self._unanswered) or [f'a subscriber of {self._publisher.topic_name}']

@@ -19,6 +19,7 @@ from typing import Any, Dict, Mapping, NamedTuple, Tuple, Union
 
 from diffdrive_kinematics.nodes.diffdrive_sim import CLASSES
 from diffdrive_kinematics.ros.parameters.members import Member, members_of
+from diffdrive_kinematics.testing.checks import check_number, refuse
 import yaml
 
 __all__ = ['Composition', 'composition']
@@ -62,9 +63,12 @@ def composition(
     Raises
     ------
     ValueError
-        If a file has no nodes to compose, or the step is not above 0.
+        If a file has no nodes to compose, the step is not above 0, or something is no mapping.
 
     """
+    for name, given in (('params', params), ('noise', noise)):
+        if not isinstance(given, Mapping):
+            refuse(name, given, 'a mapping of parameters')
     sections = _read(config)
     values = {'nodes': NODES if config is None else [], 'clock_step': CLOCK_STEP_S}
     for name, section in sections.items():
@@ -72,8 +76,9 @@ def composition(
             values.update({key: section[key] for key in values if section.get(key)})
     if clock_step is not None:
         values['clock_step'] = clock_step
-    if not values['clock_step'] > 0.0:
-        raise ValueError(f"clock_step is {values['clock_step']!r} s, expected above 0")
+    step = check_number('clock_step', values['clock_step'], 'from 1e-9 to 1e9 s', least=1e-9)
+    if step > 1e9:
+        refuse('clock_step', step, 'from 1e-9 to 1e9 s')
     sections.setdefault('/**', {}).update(params)
     for member in (members := members_of(values['nodes'], CLASSES)):
         if member.kind == 'wheel_noise' and noise:
@@ -81,7 +86,7 @@ def composition(
     if noise and not any(member.kind == 'wheel_noise' for member in members):
         raise ValueError(f'noise is {dict(noise)!r}, expected a wheel_noise among the nodes')
     ordered = {'/**': sections.pop('/**'), **sections}  # a later one would beat the others
-    return Composition(members, round(values['clock_step'] * 1e9), yaml.dump(
+    return Composition(members, round(step * 1e9), yaml.dump(
         {name: {PARAMETERS: section} for name, section in ordered.items() if section},
         Dumper=_WithoutAliases, sort_keys=False))
 
@@ -92,7 +97,11 @@ def _read(config: Union[str, Path, Sections, None]) -> Dict[str, Dict[str, Any]]
         return {name: dict(section) for name, section in DEFAULT.items()}
     if isinstance(config, (str, Path)):
         config = yaml.safe_load(Path(config).read_text(encoding='utf-8'))
-    return {name: dict(section.get(PARAMETERS, section)) for name, section in config.items()}
+    if not isinstance(config, Mapping) or not all(
+            isinstance(section, Mapping) for section in config.values()):
+        refuse('config', config, 'a file of, or a mapping of names of nodes to parameters')
+    return {name: dict(section.get(PARAMETERS, section) or {})
+            for name, section in config.items()}
 
 
 class _WithoutAliases(yaml.SafeDumper):

@@ -20,6 +20,7 @@ import random
 from typing import Callable, Dict, List, Tuple
 
 from diffdrive_kinematics.ros.runtime.clocks import SteppedClock
+from diffdrive_kinematics.testing.checks import refuse
 
 __all__ = ['Disturbances']
 
@@ -45,13 +46,11 @@ class Disturbances:
     def lose(self, topic: str, share: float, seed: int) -> None:
         """Lose a share of what is sent on a topic from now on."""
         if not 0.0 <= share <= 1.0:
-            raise ValueError(f'share is {share!r}, expected from 0 to 1')
+            refuse('share', share, 'from 0 to 1')
         self._losses[topic] = share, random.Random(seed)
 
     def delay(self, topic: str, delay_ns: int) -> None:
         """Hand on later what is sent on a topic from now on."""
-        if delay_ns < 0:
-            raise ValueError(f'the delay is {delay_ns / 1e9!r} s, expected 0 or above')
         self._delays[topic] = delay_ns
 
     def hand_on_late(self) -> bool:

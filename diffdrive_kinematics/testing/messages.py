@@ -173,6 +173,14 @@ class RecordedMessages(InFlightMessages):
         for subscription in node.subscriptions:
             self._types.setdefault(subscription.topic_name, subscription.msg_type)
 
+    def keeps(self, topic: str) -> bool:
+        """Return whether the messages of a topic are kept."""
+        return topic in self._types
+
+    def hears(self, topic: str) -> bool:
+        """Return whether what processes say on a topic comes here."""
+        return bool(self._heard_by.get(topic))
+
     def history(self, topic: str) -> List[Recorded]:
         """Return all messages of a topic so far."""
         if topic not in self._types:

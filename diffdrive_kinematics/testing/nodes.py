@@ -22,6 +22,7 @@ from typing import Any, Dict, List, Mapping, NamedTuple
 from diffdrive_kinematics.nodes.diffdrive_sim import node_class
 from diffdrive_kinematics.ros.parameters.members import Member
 from diffdrive_kinematics.ros.runtime.clocks import SteppedClock
+from diffdrive_kinematics.ros.runtime.diagnostics import RateSample
 from diffdrive_kinematics.ros.runtime.running import make_executor
 from diffdrive_kinematics.testing.composition import Composition
 from diffdrive_kinematics.testing.domains import FreeDomain
@@ -122,6 +123,18 @@ class RobotNodes:
             raise LookupError('no simulated_base is alive, expected one')
         reading = bases[0].reading()
         return State(*map(float, reading.pose), *map(float, reading.twist))
+
+    def controller(self) -> Any:
+        """Return the first controller that is alive."""
+        for node in self.of('diff_drive_controller'):
+            return node
+        raise LookupError('no diff_drive_controller is alive, expected one')
+
+    def problems(self) -> List[str]:
+        """Return what the nodes say is wrong with them, each with the node's name."""
+        look = RateSample(self.clock.now_ns())
+        return [f'{path} says: {problem.message}' for path, node in self._live.items()
+                for problem in node.status(look).problems]
 
     def kill(self, name: str) -> None:
         """End a node at once, as a crash does."""

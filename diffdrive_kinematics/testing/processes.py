@@ -18,15 +18,17 @@ import os
 import signal
 import subprocess
 import tempfile
-from typing import Dict, Mapping, Optional, Sequence, Set
+import time
+from typing import Dict, List, Mapping, Optional, Sequence, Set
 
 from diffdrive_kinematics.testing.at_rest import can_tell, Threads
 from diffdrive_kinematics.testing.guardian import shared_memory_of
 
-__all__ = ['Process', 'ProcessFailed']
+__all__ = ['environment_of', 'Process', 'ProcessFailed', 'sleepless']
 
 PATIENCE_S = 3.0
 LINES = 40
+LOOKS, LOOK_S = 100, 0.02
 
 
 class ProcessFailed(AssertionError):
@@ -141,3 +143,13 @@ def environment_of(domain: int) -> Dict[str, str]:
     """Return the variables of a process in a domain that is heard on this machine only."""
     return {'ROS_DOMAIN_ID': str(domain), 'ROS_AUTOMATIC_DISCOVERY_RANGE': 'LOCALHOST',
             'PYTHONUNBUFFERED': '1', 'RCUTILS_COLORIZED_OUTPUT': '0'}
+
+
+def sleepless(processes: List[Process]) -> List[Process]:
+    """Return those that sleep at no look; one that only has to do at times is none of them."""
+    for _ in range(LOOKS):
+        if len(processes) < 2:
+            break
+        processes = [each for each in processes if not each.threads.asleep()]
+        time.sleep(LOOK_S)
+    return processes

@@ -18,6 +18,8 @@ import math
 from pathlib import Path
 from typing import Any, Callable, List, Mapping, Optional, Sequence, Union
 
+from diffdrive_kinematics.testing.checks import (
+    check_command, check_condition, check_number, refuse, whole_steps)
 from diffdrive_kinematics.testing.composition import composition
 from diffdrive_kinematics.testing.guardian import Guardian
 from diffdrive_kinematics.testing.nodes import BASES, RobotNodes, State, topic_of
@@ -84,12 +86,14 @@ class Robot(Topics):
 
     def drive(self, v: float, w: float, seconds: float) -> None:
         """Publish a command [m/s, rad/s] in every step for some simulated seconds."""
-        controller = self._nodes.of('diff_drive_controller')[0]
+        steps = self._steps('seconds', seconds)
+        v, w = (check_number(*each, finite=False) for each in (('v', v), ('w', w)))
+        controller = self._nodes.controller()
         stamped = controller.get_parameter('enable_stamped_cmd_vel').value
         message = TwistStamped() if stamped else Twist()
         twist = message.twist if stamped else message
-        twist.linear.x, twist.angular.z = float(v), float(w)
-        for _ in range(self._steps('seconds', seconds)):
+        twist.linear.x, twist.angular.z = v, w
+        for _ in range(steps):
             self.publish(topic_of(controller, 'cmd_vel_topic'), message)
             self._stepping.step()
 
@@ -115,13 +119,14 @@ class Robot(Topics):
         Raises
         ------
         ValueError
-            If ``seconds`` or ``period`` is not finite, or less than a step of the clock.
+            If ``seconds`` or ``period`` is not finite, or less than a step of the clock, or the
+            robot does not listen to ``wait_for``.
         ProcessFailed
             If a process ended with an error, or does not answer.
 
         """
         steps, each = self._steps('seconds', seconds), self._steps_of(period)
-        topic = self._observer.resolve_topic_name(wait_for) if wait_for else None
+        topic = None if wait_for is None else self._awaited(wait_for)
         for number in range(1, steps + 1):
             whole = number % each == 0
             self._stepping.step(
@@ -146,20 +151,21 @@ class Robot(Topics):
         AssertionError
             If it does not hold within ``timeout``.
         ValueError
-            If ``period`` is not finite, or less than a step of the clock.
+            If ``condition`` is no function, ``timeout`` is not above 0, and as for ``advance``.
         ProcessFailed
             If a process ended with an error, or does not answer.
 
         """
-        step = self._steps_of(options.get('period')) * self._stepping.step_ns / 1e9
-        for _ in range(math.ceil(timeout / step)):
-            self.advance(step, **options)
+        check_condition(condition)
+        each, steps = self._steps_of(options.get('period')), self._steps('timeout', timeout)
+        for _ in range(math.ceil(steps / each)):
+            self.advance(each * self._stepping.step_ns / 1e9, **options)
             if condition():
                 return
         odom = self.odom if self._nodes.of(*BASES) else 'not there'
-        raise AssertionError(
-            f'not within {timeout} simulated seconds; odom is {odom}\n' + '\n'.join(
-                process.describe('runs') for process in self._processes))
+        raise AssertionError('\n'.join([
+            f'not within {timeout} simulated seconds; odom is {odom}', *self._nodes.problems(),
+            *(process.describe('runs') for process in self._processes)]))
 
     def start_process(
             self, command: Sequence[str], *, lockstep: bool = False, restless: bool = False,
@@ -185,10 +191,10 @@ class Robot(Topics):
             With ``output``, ``running``, ``stop()`` and ``kill()``.
 
         """
+        words = check_command(command)
         process = Process(
-            [str(part) for part in command],
-            {**environment_of(self.domain), **(environment or {})},
-            name=' '.join(Path(str(part)).name for part in command), lockstep=lockstep,
+            words, {**environment_of(self.domain), **(environment or {})},
+            name=' '.join(Path(word).name for word in words), lockstep=lockstep,
             restless=restless)
         self._processes.append(process)
         self._guardian.guard(process.pid)
@@ -208,11 +214,13 @@ class Robot(Topics):
 
     def step_clock(self, seconds: float) -> None:
         """Step the clock itself, forward or back [s], but not below 0, as a time server does."""
-        if not math.isfinite(seconds * 1e9) or not (
-                0 <= self._nodes.clock.now_ns() + round(seconds * 1e9) < CLOCK_END_NS):
-            raise ValueError(f'seconds is {seconds!r}, expected a number that leaves the clock, '
-                             f'now at {self.time} s, from 0 to below {CLOCK_END_NS // 10**9} s')
-        self._stepping.jump(round(seconds * 1e9))
+        expected = (f'a number that leaves the clock, now at {self.time} s, from 0 to below '
+                    f'{CLOCK_END_NS // 10**9} s')
+        step = check_number('seconds', seconds, expected) * 1e9
+        if not math.isfinite(step) or not (
+                0 <= self._nodes.clock.now_ns() + round(step) < CLOCK_END_NS):
+            refuse('seconds', seconds, expected)
+        self._stepping.jump(round(step))
 
     def close(self) -> None:
         """End everything."""
@@ -231,8 +239,4 @@ class Robot(Topics):
         return 1 if period is None else self._steps('period', period)
 
     def _steps(self, name: str, seconds: float) -> int:
-        steps = seconds * 1e9 / self._stepping.step_ns
-        if not math.isfinite(steps) or round(steps) < 1:
-            raise ValueError(f'{name} is {seconds!r}, expected at least a step of the clock, '
-                             f'{self._stepping.step_ns / 1e9} s')
-        return round(steps)
+        return whole_steps(name, seconds, self._stepping.step_ns)

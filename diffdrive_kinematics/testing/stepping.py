@@ -23,7 +23,7 @@ from diffdrive_kinematics.ros.parameters.qos import reliable
 from diffdrive_kinematics.testing.acknowledgements import Acknowledgements
 from diffdrive_kinematics.testing.at_rest import Rest, Threads
 from diffdrive_kinematics.testing.nodes import RobotNodes
-from diffdrive_kinematics.testing.processes import Process, ProcessFailed
+from diffdrive_kinematics.testing.processes import Process, ProcessFailed, sleepless
 from rosgraph_msgs.msg import Clock
 
 __all__ = ['Stepping']
@@ -132,7 +132,7 @@ class Stepping:
         pauses = chain([SOON * usual_s], repeat(REST_POLL_S))
         self.wait(lambda: done(threads), COME_TO_REST, watched,
                   pause=lambda: time.sleep(next(pauses)),
-                  suspects=lambda: [each for each in watched if not each.threads.asleep()])
+                  suspects=lambda: sleepless(watched))
         self._usual_s[moment] = max(
             REST_POLL_S, min(time.monotonic() - began, LATER * usual_s))
 

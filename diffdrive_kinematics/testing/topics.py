@@ -16,6 +16,7 @@
 
 from typing import Any, Dict, List
 
+from diffdrive_kinematics.testing.checks import check_number, check_type, refuse
 from diffdrive_kinematics.testing.messages import Recorded
 from diffdrive_kinematics.testing.nodes import RobotNodes
 from diffdrive_kinematics.testing.stepping import Stepping
@@ -47,11 +48,12 @@ class Topics:
 
     def history(self, topic: str) -> List[Recorded]:
         """Return all messages of a topic so far, each with its simulated time [s]."""
-        return self._messages.history(self._observer.resolve_topic_name(topic))
+        return self._messages.history(self._name(topic))
 
     def listen(self, message_type: type, topic: str) -> None:
         """Keep the messages of a topic to which no node of the robot listens."""
-        name = self._observer.resolve_topic_name(topic)
+        name = self._name(topic)
+        self._check_type('message_type', message_type, name)
         self._messages.add_listener(self._observer.create_subscription(
             message_type, topic, self._messages.counted(name, lambda message: None), 1000,
             raw=True))
@@ -60,8 +62,11 @@ class Topics:
 
     def publish(self, topic: str, message: Any) -> None:
         """Publish a message; whoever listens in the graph has it before time goes on."""
-        name = self._observer.resolve_topic_name(topic)
-        if name not in self._publishers:
+        name = self._name(topic)
+        publisher = self._publishers.get(name)
+        if not publisher or type(message) is not publisher.msg_type:
+            self._check_type('type of message', type(message), name)
+        if not publisher:
             publisher = self._observer.create_publisher(type(message), topic, 100)
             self._messages.count_sent(publisher, self._observer.get_fully_qualified_name())
             self._publishers[name] = publisher
@@ -69,13 +74,18 @@ class Topics:
                 lambda: publisher.get_subscription_count() >= max(
                     1, self._observer.count_subscribers(name)),
                 f'find who listens to {topic!r}', [], timeout=HEARD_S)
-        self._publishers[name].publish(message)
-        if not self._publishers[name].wait_for_all_acked(Duration(seconds=HEARD_S)):
+        publisher.publish(message)
+        if not publisher.wait_for_all_acked(Duration(seconds=HEARD_S)):
             raise AssertionError(f'who listens to {topic!r} did not get a message in {HEARD_S} s')
         self._stepping.deliver()
 
     def call(self, service_type: Any, name: str, request: Any) -> Any:
         """Call a service and return its response; it is answered before time goes on."""
+        offered = dict(self._observer.get_service_names_and_types())
+        full_name = self._observer.resolve_service_name(_text('name', name))
+        check_type('service_type', service_type, offered.get(full_name, []), name)
+        if not isinstance(request, service_type.Request):
+            refuse('request', request, f'a {service_type.__name__}.Request')
         if name not in self._clients:
             self._clients[name] = self._observer.create_client(service_type, name)
         client = self._clients[name]
@@ -87,10 +97,42 @@ class Topics:
 
     def drop(self, topic: str, share: float, *, seed: int = 0) -> None:
         """Lose a share of the messages of a topic from now on, the same ones in every run."""
-        name = self._observer.resolve_topic_name(topic)
-        self._messages.disturbances.lose(name, share, seed)
+        share = check_number('share', share, 'from 0 to 1')
+        if not isinstance(seed, int):
+            refuse('seed', seed, 'an integer')
+        self._messages.disturbances.lose(self._known(topic), share, seed)
 
     def delay(self, topic: str, seconds: float) -> None:
         """Hand the messages of a topic on later from now on, in steps of the clock."""
-        name = self._observer.resolve_topic_name(topic)
-        self._messages.disturbances.delay(name, round(seconds * 1e9))
+        seconds = check_number('seconds', seconds, 'a finite number, 0 or above', least=0.0)
+        self._messages.disturbances.delay(self._known(topic), round(seconds * 1e9))
+
+    def _name(self, topic: str) -> str:
+        name: str = self._observer.resolve_topic_name(_text('topic', topic))
+        return name
+
+    def _known(self, topic: str) -> str:
+        """Return the resolved name of a topic that passes through the robot, or will."""
+        name = self._name(topic)
+        if not self._messages.keeps(name) and not self._observer.count_subscribers(name):
+            self._messages.history(name)  # tells which there are
+        return name
+
+    def _awaited(self, topic: str) -> str:
+        """Return the resolved name of a topic of a process that may be waited for."""
+        name: str = self._observer.resolve_topic_name(_text('wait_for', topic))
+        if not self._messages.hears(name):
+            refuse('wait_for', topic, 'a topic to which the robot listens, or that the test has '
+                   'given to robot.listen before')
+        return name
+
+    def _check_type(self, name: str, kind: Any, topic: str) -> None:
+        """Refuse a type that is none of messages, or another one than the topic has."""
+        known = dict(self._observer.get_topic_names_and_types())
+        check_type(name, kind, known.get(topic, []), topic)
+
+
+def _text(name: str, value: Any) -> str:
+    if not isinstance(value, str) or not value:
+        refuse(name, value, 'a name')
+    return value

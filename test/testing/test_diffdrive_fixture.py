@@ -28,9 +28,10 @@ from diffdrive_kinematics.testing.guardian import Guardian, shared_memory_of
 from diffdrive_kinematics.testing.processes import ProcessFailed
 from geometry_msgs.msg import PoseStamped, Twist
 import pytest
-from std_srvs.srv import Trigger
+from std_srvs.srv import Empty, Trigger
 from support.graph import twist
 from support.planners import NOISE, ROBOT
+from support.stepped import nodes, tell_wheels
 
 pytestmark = pytest.mark.ros
 
@@ -272,3 +273,84 @@ def test_a_topic_of_others_is_kept_when_it_is_listened_to(diffdrive):
     robot.listen(Twist, 'plan')
     robot.publish('plan', Twist())
     assert [each.time for each in robot.history('plan')] == [0.0]
+
+
+@pytest.mark.parametrize('wrong', [math.nan, math.inf, -math.inf, -1.0, '1.0', None, True])
+def test_arguments_that_are_no_numbers_or_below_the_least_are_refused_before_anything_moves(
+        diffdrive, wrong):
+    robot = diffdrive(params=ROBOT)
+    for call, name in [
+            (lambda: robot.advance(wrong), 'seconds'),
+            (lambda: robot.drive(0.1, 0.0, wrong), 'seconds'),
+            (lambda: robot.step_clock(wrong), 'seconds'),
+            (lambda: robot.delay('cmd_vel', wrong), 'seconds'),
+            (lambda: robot.drop('cmd_vel', wrong), 'share'),
+            (lambda: robot.advance_until(lambda: True, timeout=wrong), 'timeout'),
+            (lambda: diffdrive({'/**': {'clock_step': wrong or 'none'}}), 'clock_step')]:
+        word = re.escape(repr(wrong or 'none' if name == 'clock_step' else wrong))
+        with pytest.raises(ValueError, match=f'^{name} is {word}, expected .'):
+            call()
+    assert robot.time == 0.0 and not robot.history('cmd_vel')
+
+
+def test_what_a_test_says_wrongly_is_refused_at_once_by_name_value_and_rule(diffdrive):
+    robot = diffdrive(nodes('diff_drive_controller', 'simulated_base'), params=ROBOT)
+    pose, trigger = PoseStamped(), Trigger.Request()
+    for call, words in [
+            (lambda: robot.publish('cmd_vel', pose),
+             "type of message is .*Stamped'>, expected geometry_msgs/msg/Twist, which '/cmd_vel"),
+            (lambda: robot.publish('cmd_vel', Twist), 'type of message is <class .*, exp'),
+            (lambda: robot.publish('goal_pose', 'here'), "type of message is <class 'str'>, exp"),
+            (lambda: robot.publish(5, pose), 'topic is 5, expected a name'),
+            (lambda: robot.listen(PoseStamped, 'odom'),
+             "message_type is .* expected nav_msgs/msg/Odometry, which '/odom' has"),
+            (lambda: robot.listen('Twist', 'plan'), "message_type is 'Twist', expected a type"),
+            (lambda: robot.history(None), 'topic is None, expected a name'),
+            (lambda: robot.drop('cmd_vel', 0.5, seed=None), 'seed is None, expected an integer'),
+            (lambda: robot.call(Empty, 'simulated_base/reset', Empty.Request()),
+             "service_type is .*, expected std_srvs/srv/Trigger, which 'simulated_base/reset'"),
+            (lambda: robot.call(Trigger, 'simulated_base/reset', Trigger), 'request is .*Request'),
+            (lambda: robot.call(Trigger, None, trigger), 'name is None, expected a name'),
+            (lambda: robot.drive('fast', 0.0, 1.0), "v is 'fast', expected a number"),
+            (lambda: robot.advance(1.0, wait_for='plan'),
+             "wait_for is 'plan', expected a topic to which the robot listens"),
+            (lambda: robot.advance_until(robot.odom.speed == 0.0, timeout=1.0),
+             'condition is True, expected a function'),
+            (lambda: robot.start_process('my_planner.py'),
+             "command is 'my_planner.py', expected a list of words"),
+            (lambda: robot.start_process([]), r'command is \[\], expected a list of words'),
+            (lambda: diffdrive(5), 'config is 5, expected a file'),
+            (lambda: diffdrive({'/**': 'fast'}), 'config is .*fast.*, expected'),
+            (lambda: diffdrive(params=['wheel_radius']), r"params is \['wheel_radius'\], exp")]:
+        with pytest.raises(ValueError, match=f'^{words}'):
+            call()
+    for call, words in [
+            (lambda: robot.drop('cmd_vell', 1.0), "'/cmd_vell' is not kept, expected one of"),
+            (lambda: robot.delay('cmd_vell', 0.1), "'/cmd_vell' is not kept, expected one of"),
+            (lambda: robot.restart('nobody'), "the node is 'nobody', expected one of"),
+            (lambda: robot.kill(None), 'the node is None, expected one of')]:
+        with pytest.raises(LookupError, match=words):
+            call()
+    assert robot.time == 0.0
+    robot.publish('cmd_vel', twist(0.2, 0.0))
+    robot.kill('diff_drive_controller')
+    with pytest.raises(LookupError, match='no diff_drive_controller is alive, expected one'):
+        robot.drive(0.1, 0.0, 1.0)
+
+
+def test_a_sequence_that_waits_says_for_what_and_begins_once_it_is_there(diffdrive, capfd):
+    robot = diffdrive(
+        nodes('command_sequence', 'simulated_base', command_sequence={
+            'commands': [0.2, 0.0, 1.0], 'wait_for_topics': ['odom']}), params=ROBOT)
+    with pytest.raises(AssertionError, match='command_sequence says: waiting for /odom\n'
+                       "simulated_base says: no messages on '/wheel_rates' yet"):
+        robot.advance_until(lambda: robot.odom.speed > 0.0, timeout=1.0)
+    assert 'waiting' not in capfd.readouterr().err
+    robot.advance(4.1)
+    assert capfd.readouterr().err.count('waiting for /odom') == 1
+    tell_wheels(robot, velocity=[0.0, 0.0])
+    with pytest.raises(AssertionError, match='says: waiting for a subscriber of /cmd_vel'):
+        robot.advance_until(lambda: robot.odom.speed > 0.0, timeout=1.0)
+    robot.listen(Twist, 'cmd_vel')
+    robot.advance(0.1)
+    assert robot.history('cmd_vel')[-1].message.linear.x == 0.2

@@ -15,15 +15,17 @@
 """A robot and processes under test in lockstep: what is the same in every run, and what is not."""
 
 from concurrent.futures import ProcessPoolExecutor
+from itertools import cycle
 import multiprocessing
 import os
 import signal
 import subprocess
 import sys
+from types import SimpleNamespace
 
 from diffdrive_kinematics.testing import stepping
 from diffdrive_kinematics.testing.at_rest import can_tell, Threads
-from diffdrive_kinematics.testing.processes import ProcessFailed
+from diffdrive_kinematics.testing.processes import ProcessFailed, sleepless
 import pytest
 from support.closed_loop import BUSY, driven, other_work
 from support.planners import ROBOT
@@ -108,6 +110,15 @@ def test_a_process_that_is_stopped_is_not_at_rest_as_messages_may_lie_before_it(
         stopped.kill()
         stopped.communicate()
         threads.close()
+
+
+def test_who_only_has_to_do_at_times_is_not_named_beside_one_that_never_sleeps():
+    def process(*looks):
+        return SimpleNamespace(threads=SimpleNamespace(asleep=cycle(looks).__next__))
+
+    hangs, innocent, other = process(False), process(False, True), process(False, False, True)
+    assert sleepless([innocent, hangs, other]) == [hangs]
+    assert sleepless([innocent]) == [innocent]
 
 
 def test_a_node_that_hangs_is_named_though_it_tells_nothing(diffdrive, files, monkeypatch):

@@ -1,0 +1,73 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Arguments of a test that cannot be are refused: what, its value, and what was expected."""
+
+from collections.abc import Sequence
+import math
+from numbers import Real
+from os import PathLike
+from typing import Any, List, NoReturn
+
+__all__ = [
+    'check_command', 'check_condition', 'check_number', 'check_type', 'refuse', 'whole_steps']
+
+
+def refuse(name: str, value: Any, expected: str) -> NoReturn:
+    """Raise ``ValueError`` by the name of an argument, its value, and what was expected."""
+    raise ValueError(f'{name} is {value!r}, expected {expected}')
+
+
+def check_number(
+        name: str, value: Any, expected: str = 'a number', *, least: float = -math.inf,
+        finite: bool = True) -> float:
+    """Return a number that is not below ``least``, or raise ``ValueError``."""
+    if not isinstance(value, Real) or isinstance(value, bool):
+        refuse(name, value, expected)
+    if finite and not least <= value < math.inf:
+        refuse(name, value, expected)
+    return float(value)
+
+
+def whole_steps(name: str, seconds: Any, step_ns: int) -> int:
+    """Return how many steps of the clock some seconds are, or raise ``ValueError``."""
+    expected = f'at least a step of the clock, {step_ns / 1e9} s'
+    steps = check_number(name, seconds, expected) * 1e9 / step_ns
+    if not math.isfinite(steps) or round(steps) < 1:
+        refuse(name, seconds, expected)
+    return round(steps)
+
+
+def check_condition(condition: Any) -> None:
+    """Raise ``ValueError`` for what was asked once, and not each time."""
+    if not callable(condition):
+        refuse('condition', condition, 'a function, as lambda: robot.odom.x > 1.0')
+
+
+def check_command(command: Any) -> List[str]:
+    """Return the words of a command, or raise ``ValueError``."""
+    if isinstance(command, (str, bytes, PathLike)) or not isinstance(command, Sequence) or (
+            not command):
+        refuse('command', command, "a list of words, as [sys.executable, 'my_node.py']")
+    return [str(part) for part in command]
+
+
+def check_type(name: str, kind: Any, known: Sequence[str], where: str) -> None:
+    """Raise ``ValueError`` for no type of ROS, or another one than a topic or service has."""
+    words = getattr(kind, '__module__', '').split('.')
+    if len(words) < 2 or words[1] not in ('msg', 'srv') or (
+            not isinstance(kind, type) or issubclass(kind, type)):
+        refuse(name, kind, 'a type of ROS messages or services')
+    if known and f'{words[0]}/{words[1]}/{kind.__name__}' not in known:
+        refuse(name, kind, f"{' or '.join(known)}, which {where!r} has")
