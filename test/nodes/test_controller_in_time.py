@@ -14,6 +14,8 @@
 
 """The controller in this process, on a clock that is set: what it tells, and with which stamps."""
 
+from types import SimpleNamespace
+
 from diffdrive_kinematics.nodes.diff_drive_controller import DiffDriveController
 from diffdrive_kinematics.ros.runtime import clocks, runtime
 from diffdrive_kinematics.ros.runtime.clocks import SteadyTimers, SteppedClock
@@ -21,6 +23,7 @@ import pytest
 import rclpy
 from rclpy.clock_type import ClockType
 from rclpy.parameter import Parameter
+from rclpy.qos import DurabilityPolicy, QoSProfile
 from rclpy.serialization import deserialize_message, serialize_message
 from rclpy.time import Time
 from sensor_msgs.msg import JointState
@@ -40,6 +43,7 @@ class WallClock(SteadyTimers):
     def __init__(self, patch):
         self._steady_ns, self.ahead_ns = 5 * S, 10**6 * S
         patch.setattr(clocks.time, 'monotonic_ns', lambda: self._steady_ns)
+        patch.setattr(clocks.time, 'monotonic', lambda: self._steady_ns / S)
         patch.setattr(clocks.time, 'time_ns', lambda: self._steady_ns + self.ahead_ns)
         patch.setattr(
             runtime, 'time_of', lambda _: lambda: self._steady_ns + self.ahead_ns)
@@ -303,4 +307,58 @@ def test_a_command_from_before_an_emergency_stop_does_not_drive_when_it_is_over(
         driven.command(SPEED, before_ns)
         assert driven.speed() == 0.0
     driven.command(SPEED, driven.clock.now_ns())
+    assert driven.speed() == pytest.approx(SPEED)
+
+
+@pytest.mark.parametrize('limits', [{}, RAMPS], ids=['', 'ramps'])
+def test_what_waits_in_the_queue_when_a_stall_ends_is_heard_before_anything_is_ended(
+        robot, limits):
+    driven = robot(WallClock, **limits)
+    driven.wait(1.0, SPEED)
+    told, waiting = len(driven.told), [(serialize_message(twist(SPEED, 0.0)), {})]
+    driven.node._backlog._taken = lambda: waiting.pop() if waiting else None
+    driven.clock.advance_by(2 * S)
+    driven.wait(0.1)
+    assert not waiting
+    speeds = [message.velocity[0] * 0.021 for message in driven.told[told:]]
+    assert speeds and speeds == pytest.approx([SPEED] * len(speeds))
+
+
+def publishers(robot, durability):
+    """Let the controller know of a publisher of its stop, and not yet of what it says."""
+    robot.node.get_publishers_info_by_topic = lambda topic: [
+        SimpleNamespace(qos_profile=QoSProfile(depth=1, durability=durability))
+    ] if topic == '/stop' else []
+
+
+@pytest.mark.parametrize('latest', [0.5, 4.5])
+def test_no_command_is_obeyed_before_what_may_be_latched_on_the_stop_has_come(robot, latest):
+    driven = robot(WallClock, emergency_stop_topic='stop')
+    publishers(driven, DurabilityPolicy.TRANSIENT_LOCAL)
+    driven.wait(latest, SPEED)
+    driven.node._stop._on_topic(Bool(data=True))
+    driven.wait(10.0, SPEED)
+    assert driven.speed() == 0.0 and {driven.speed()} == {*(
+        message.velocity[0] for message in driven.told)}
+    driven.node._stop._on_topic(Bool(data=False))
+    driven.wait(0.1, SPEED)
+    assert driven.speed() == pytest.approx(SPEED)
+
+
+@pytest.mark.parametrize('durability, seconds', [
+    (DurabilityPolicy.TRANSIENT_LOCAL, 5.0), (DurabilityPolicy.VOLATILE, 1.0)])
+def test_a_stop_whose_publisher_says_nothing_holds_the_robot_for_a_moment_only(
+        robot, durability, seconds):
+    driven = robot(WallClock, emergency_stop_topic='stop')
+    publishers(driven, durability)
+    driven.wait(seconds - 0.1, SPEED)
+    assert driven.speed() == 0.0
+    driven.wait(0.2, SPEED)
+    assert driven.speed() == pytest.approx(SPEED)
+
+
+def test_a_stop_that_says_it_is_off_lets_the_next_command_through_at_once(robot):
+    driven = robot(WallClock, emergency_stop_topic='stop')
+    driven.node._stop._on_topic(Bool(data=False))
+    driven.wait(0.1, SPEED)
     assert driven.speed() == pytest.approx(SPEED)

@@ -14,18 +14,25 @@
 
 """The emergency stop of the controller: a topic, and services."""
 
+import time
 from typing import Any, Callable, Dict, List, Tuple
 
 from diffdrive_kinematics.ros.runtime.diagnostics import ERROR, Problem
+from rclpy.qos import DurabilityPolicy
 from std_msgs.msg import Bool
 from std_srvs.srv import Trigger
 
 REPORT_PERIOD_S = 5.0
+NOBODY_S = 1.0  # since the start, for which a topic that nobody publishes may still be found
+LATCHED_S = 5.0  # and for which what a publisher has latched may be on its way
 
 
 class EmergencyStop:
     """
     Is engaged while the topic last said so, or since ``~/stop`` was called until ``~/resume`` is.
+
+    What was latched on the topic comes after the first commands now and then.  So none is obeyed
+    until the topic has said something, or has had the time to.
 
     Parameters
     ----------
@@ -48,16 +55,28 @@ class EmergencyStop:
         self._by: Tuple[str, ...] = ()
         self.engaged = False
         self.ignored = 0
+        self._began_s = time.monotonic()
+        self._awaited = bool(topic) and not node.runtime.is_stepped
         if topic:
             node.runtime.listen_to_any(Bool, topic, self._on_topic)
         node.runtime.serve(Trigger, '~/stop', self._on_stop_service)
         node.runtime.serve(Trigger, '~/resume', self._on_resume)
 
+    def holds(self) -> bool:
+        """Return whether no command may be obeyed: it is engaged, or may be, unheard yet."""
+        if self._awaited and not self.engaged:
+            since_s = time.monotonic() - self._began_s
+            self._awaited = since_s < NOBODY_S or since_s < LATCHED_S and any(
+                each.qos_profile.durability == DurabilityPolicy.TRANSIENT_LOCAL
+                for each in self._node.get_publishers_info_by_topic(self._topic))
+        return self.engaged or self._awaited
+
     def ignore(self) -> None:
         """Count a command that is not obeyed."""
         self.ignored += 1
+        why = self._state() if self.engaged else f"'{self._topic}' may be latched"
         self._node.get_logger().warning(
-            f'{self._state()}: a command is ignored ({self.ignored} so far)',
+            f'{why}: a command is ignored ({self.ignored} so far)',
             throttle_duration_sec=REPORT_PERIOD_S)
 
     def values(self) -> Dict[str, Any]:
@@ -73,6 +92,7 @@ class EmergencyStop:
         return f"stopped by {' and '.join(self._by)}"
 
     def _on_topic(self, message: Bool) -> None:
+        self._awaited = False
         self._set(f"'{self._topic}'", message.data)
 
     def _on_stop_service(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
