@@ -77,7 +77,7 @@ class Teleop(DiffDriveNode[Mapping[str, Any]]):
             elif key.text == self._key:
                 self._helm = self._helm.left(SOMEBODY)
         self._helm = self._helm.at(time.monotonic())
-        driving = bool(self._helm.viewer) and not self.done
+        driving = bool(self._helm.viewer) and not (self.done or self.time.waits_for_clock())
         if driving or self._drove:
             self._send(self._helm.command if driving else (0.0, 0.0))
         self._drove = driving

@@ -124,7 +124,7 @@ class WebView(DiffDriveNode[Mapping[str, Any]]):
         self._sources = []
 
     def _pass_on(self, message: Any) -> None:
-        if not (self._helm.viewer or self._stopped):
+        if not (self._helm.viewer or self._stopped or self.time.waits_for_clock()):
             self._commands.publish(message)
 
     # What viewers do.
@@ -150,7 +150,8 @@ class WebView(DiffDriveNode[Mapping[str, Any]]):
     def _drive(self) -> None:
         """Publish what the viewer at the helm asks for, and rest once it ends."""
         self._helm = self._helm.at(time.monotonic())
-        driving = bool(self._helm.viewer) and not self._stopped
+        driving = bool(self._helm.viewer) and not (
+            self._stopped or self.time.waits_for_clock())
         if driving and not self._drove:  # who takes the helm ends what goal_steering does
             self._plans.publish(Path())
         if driving or self._drove or self._stopped:

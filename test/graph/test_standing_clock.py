@@ -29,7 +29,10 @@ WAITING = 'waiting for /clock, use_sim_time is true'
 NODES = {
     'diff_drive_controller': KHEPERA, 'wheel_noise': {'wheel_radius': 0.021},
     'simulated_base': {**KHEPERA, 'enable_odom_tf': False},
-    'command_sequence': {'commands': [0.1, 0.0, 60.0]}, 'forward_projection': KHEPERA}
+    'command_sequence': {'commands': [0.1, 0.0, 60.0]}, 'forward_projection': KHEPERA,
+    'goal_steering': {'goals': [1.0, 0.0, 0.0], 'odom_topic': 'seen', 'cmd_vel_topic': 'steered'},
+    'web_view': {**KHEPERA, 'port': 0, 'autonomous_cmd_vel_topic': 'planned',
+                 'cmd_vel_topic': 'passed_on'}}
 RAMPS = {'linear.x.max_acceleration': 0.5}
 SPEED = 0.2  # [m/s]
 
@@ -83,11 +86,16 @@ def test_every_node_says_that_its_clock_has_not_begun_and_hands_on_no_motion(gra
     outputs = [graph.collect(JointState, topic) for topic in (
         'wheel_rates', 'noisy_wheel_rates', 'joint_states')]
     odometry = graph.collect(Odometry, 'odom')
-    commands = graph.publisher(Twist, 'cmd_vel')
+    asked = [graph.collect(Twist, topic) for topic in ('steered', 'passed_on')]
+    commands = [graph.publisher(Twist, topic) for topic in ('cmd_vel', 'planned')]
     wheels = graph.publisher(JointState, 'wheel_rates', listeners=4)
+    seen, where = graph.publisher(Odometry, 'seen'), Odometry()
+    where.header.frame_id, where.pose.pose.orientation.w = 'odom', 1.0
 
     def told():
-        commands.publish(twist(SPEED, 0.0))
+        for publisher in commands:
+            publisher.publish(twist(SPEED, 0.0))
+        seen.publish(where)
         wheels.publish(JointState(name=JOINTS, velocity=[1.0, 1.0]))
         return (all(WAITING in process.output for process in processes)
                 and set(problems) == {f'/{name}' for name in NODES}
@@ -96,7 +104,7 @@ def test_every_node_says_that_its_clock_has_not_begun_and_hands_on_no_motion(gra
 
     graph.wait_for(told, 'all of them to say so')
     own = [message for message in outputs[0] if message.header.frame_id]  # those of the controller
-    assert own == outputs[1] == outputs[2] == odometry == []
+    assert own == outputs[1] == outputs[2] == odometry == asked[0] == asked[1] == []
 
 
 def test_a_command_from_before_the_clock_is_not_obeyed_when_it_begins_but_the_next_one_is(graph):

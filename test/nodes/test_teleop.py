@@ -24,7 +24,8 @@ import termios
 from diffdrive_kinematics.tools.keyboard import Key, keys_in
 from geometry_msgs.msg import Twist, TwistStamped
 import pytest
-from support.graph import arguments, START
+from rosgraph_msgs.msg import Clock
+from support.graph import arguments, stamp_ns, START
 
 pytestmark = pytest.mark.ros
 
@@ -132,6 +133,22 @@ def test_a_terminal_that_tells_releases_and_hangs_does_not_drive_on(terminal):
     opened = terminal(answer=b'\x1b[?0u\x1b[?62c')
     opened.hold(b'\x1b[105u', lambda: opened.last() == (0.2, 0.0), 'the command')
     opened.wait(lambda: opened.last() == (0.0, 0.0), 'the rest')
+
+
+def test_no_key_drives_before_simulated_time_has_begun(terminal, graph):
+    opened = terminal(kind=TwistStamped, enable_stamped_cmd_vel=True, use_sim_time=True)
+    for shown in (b'0.220', b'0.242', b'0.266'):  # each in a tick of its own
+        opened.press('iq')
+        opened.wait(lambda: shown in opened.read(), 'a speed')
+    clock, now = graph.node.create_publisher(Clock, '/clock', 1), Clock()
+
+    def driven():
+        now.clock.sec += 1
+        clock.publish(now)
+        return opened.last() and opened.last()[0] > 0.0
+
+    opened.hold('i', driven, 'the command')
+    assert all(stamp_ns(message) for message in opened.commands)
 
 
 @pytest.mark.parametrize('number', [signal.SIGINT, signal.SIGTERM])
