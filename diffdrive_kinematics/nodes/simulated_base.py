@@ -115,15 +115,18 @@ class SimulatedBase(DiffDriveNode[Config]):
 
     def reading(self) -> core.BaseState:
         """Return the base as it is now."""
-        return self._odometry.predict(self._updated_now())
+        now_ns = self._updated_now()  # which may change the odometry
+        return self._odometry.predict(now_ns)
 
     def covariance(self) -> PoseCovariance:
         """Return the covariance of the pose now, as it is published."""
-        return self._odometry.covariance_at(self._updated_now())
+        now_ns = self._updated_now()
+        return self._odometry.covariance_at(now_ns)
 
     def moments(self) -> PoseMoments:
         """Return what is known of the error of the pose now."""
-        return self._odometry.moments_at(self._updated_now())
+        now_ns = self._updated_now()
+        return self._odometry.moments_at(now_ns)
 
     def _on_wheels(self, message: bytes, info: MessageInfo) -> None:
         now_ns = self._synchronised_now()

@@ -85,7 +85,7 @@ def _response(values: Mapping[str, Any]) -> Optional[AnsweredMotion]:
 
 
 class WheelNoise(DiffDriveNode[Config]):
-    """Perturbs the travel between the stamps of two messages; never reads the clock."""
+    """Perturbs the travel between the stamps of two messages, whenever they come."""
 
     def __init__(self, name: str = 'wheel_noise', **composition: Any) -> None:
         super().__init__(name, WHEEL_NOISE, build, **composition)
@@ -105,10 +105,11 @@ class WheelNoise(DiffDriveNode[Config]):
     def _on_wheels(self, message: bytes, info: MessageInfo) -> None:
         if self.time.waits_for_clock():
             return
-        sample = self._reader.read(message, self.runtime.now_ns, info.number)
+        now_ns = self._synchronised_now()
+        sample = self._reader.read(message, lambda: now_ns, info.number)
         if sample is None:
             return
-        self.health.statistics.note(self.runtime.now_ns(), sample.stamp_ns)
+        self.health.statistics.note(now_ns, sample.stamp_ns)
         if self._response is None:
             self._pass_on(sample)
             return
@@ -123,6 +124,14 @@ class WheelNoise(DiffDriveNode[Config]):
             self.health.sent += 1
             self._publisher.publish(self._wheels.encode(
                 noisy.stamp_ns, noisy.rates, noisy.positions))
+
+    def _synchronised_now(self) -> int:
+        """Return the time, with what is known moved along where the clock itself was stepped."""
+        now_ns, step_ns = self.time.now_and_step()
+        if step_ns:
+            self._stream = self._stream.clock_stepped(step_ns)
+            self._response = self._response and self._response.clock_stepped(step_ns)
+        return now_ns
 
     def status(self, sample: RateSample) -> Status:
         """Return how wheel motion passes through."""

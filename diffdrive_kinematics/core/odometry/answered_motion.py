@@ -94,6 +94,33 @@ class AnsweredMotion(NamedTuple):
             due = [WheelSample(now_ns, ZERO, source=sample.source)]
         return self._replace(waiting=later, last=sample), due
 
+    def clock_stepped(self, step_ns: int) -> 'AnsweredMotion':
+        """
+        Return the state as it reads after the clock of the stamps was stepped.
+
+        Parameters
+        ----------
+        step_ns : int
+            By how much the clock was stepped [ns].
+
+        Returns
+        -------
+        AnsweredMotion
+            The state with its times moved: what waits is done as late as it would have been.
+
+        Examples
+        --------
+        >>> motion, _ = AnsweredMotion(lambda rates: rates, 300).update(WheelSample(0, (2.0, 2.0)))
+        >>> [sample.stamp_ns for sample in motion.clock_stepped(-100).waiting]
+        [200]
+
+        """
+        if self.last is None:
+            return self
+        return self._replace(
+            waiting=tuple(_moved(each, step_ns) for each in self.waiting),
+            last=_moved(self.last, step_ns))
+
     def configured(self, new: 'AnsweredMotion') -> 'AnsweredMotion':
         """
         Return the state under another answer and delay.
@@ -120,7 +147,7 @@ class AnsweredMotion(NamedTuple):
         if self.last is None:
             return new
         shift, first = new.delay_ns - self.delay_ns, self.last.stamp_ns + 1
-        moved = [replace(each, stamp_ns=each.stamp_ns + shift) for each in self.waiting]
+        moved = [_moved(each, shift) for each in self.waiting]
         over = [replace(each, stamp_ns=first) for each in moved if each.stamp_ns <= first]
         later = [each for each in moved if each.stamp_ns > first]
         return new._replace(waiting=(*over[-1:], *later), last=self.last)
@@ -138,3 +165,7 @@ class AnsweredMotion(NamedTuple):
             return None
         return last.stamp_ns, ((sample.positions[0] - last.positions[0]) / seconds,
                                (sample.positions[1] - last.positions[1]) / seconds)
+
+
+def _moved(sample: WheelSample, by_ns: int) -> WheelSample:
+    return replace(sample, stamp_ns=sample.stamp_ns + by_ns)

@@ -142,6 +142,18 @@ class SteadyTimers(Timers):
         self._next_ns = min([timer.next_ns for timer in self.timers], default=NEVER_NS)
 
 
+class SetBack:
+    """How far a simulated clock was set back in all, by the times that it was told."""
+
+    def __init__(self) -> None:
+        self.total_ns = self._last_ns = 0
+
+    def note(self, time_ns: int) -> None:
+        """Note that the clock is told a time [ns]."""
+        self.total_ns += min(0, time_ns - self._last_ns)
+        self._last_ns = time_ns
+
+
 class SteppedClock(Timers):
     """A ROS clock whose time is set step by step, and the timers that run on it."""
 
@@ -151,6 +163,7 @@ class SteppedClock(Timers):
         source = TimeSource()  # without a node: it listens to nobody
         source.attach_clock(self.ros_clock)
         source.ros_time_is_active = True
+        self.set_back = SetBack()
         self._now_ns = 0
 
     def now_ns(self) -> int:
@@ -160,6 +173,7 @@ class SteppedClock(Timers):
     def advance_to(self, time_ns: int) -> None:
         """Set the time [ns]; due timers are for :meth:`due` to find."""
         self._now_ns = time_ns
+        self.set_back.note(time_ns)
         self.ros_clock.set_ros_time_override(
             Time(nanoseconds=time_ns, clock_type=ClockType.ROS_TIME))
 
@@ -168,12 +182,14 @@ class StepWatch:
     """
     A look at a clock, which notices that it was stepped by comparing it with the steady one.
 
-    It tells ``on_step`` by how much [ns].
+    It tells ``on_step`` by how much [ns].  A simulated clock is ``set_back`` by what it is told.
     """
 
     def __init__(
-            self, clock: Clock, on_step: Callable[[int], None] = lambda step_ns: None) -> None:
+            self, clock: Clock, set_back: SetBack,
+            on_step: Callable[[int], None] = lambda step_ns: None) -> None:
         self._on_step = on_step
+        self._set_back, self._set_back_ns = set_back, set_back.total_ns
         self._now_ns, self._simulated = time_of(clock), simulation_of(clock)
         self._steady_ns: Optional[int] = None
         self._last_ns = 0
@@ -186,8 +202,9 @@ class StepWatch:
         Simulated time has a pace of its own: there only a jump back counts.
         """
         if self._simulated():
-            now_ns = self._now_ns()
-            step, self._steady_ns = min(0, now_ns - self._last_ns), None
+            now_ns, set_back_ns = self._now_ns(), self._set_back.total_ns
+            step = set_back_ns - self._set_back_ns or min(0, now_ns - self._last_ns)
+            self._set_back_ns, self._steady_ns = set_back_ns, None
         else:
             now_ns, steady_ns = time.time_ns(), time.monotonic_ns()
             step = 0

@@ -22,7 +22,7 @@ from typing import (
 from diffdrive_kinematics.ros.parameters.descriptors import with_ranges
 from diffdrive_kinematics.ros.parameters.parameter_spec import ParameterSpec
 from diffdrive_kinematics.ros.parameters.parameters import ParameterSet
-from diffdrive_kinematics.ros.runtime.clocks import SteadyTimers, SteppedClock
+from diffdrive_kinematics.ros.runtime.clocks import SetBack, SteadyTimers, SteppedClock
 from diffdrive_kinematics.ros.runtime.diagnostics import RateSample, Status
 from diffdrive_kinematics.ros.runtime.health import Health
 from diffdrive_kinematics.ros.runtime.in_flight_messages import InFlightMessages
@@ -88,7 +88,7 @@ class DiffDriveNode(Node, Generic[Config], metaclass=_LeavesWhereRefused):
             timers: Optional[SteadyTimers] = None, neighbours: Collection[str] = (),
             namespace: Optional[str] = None, **node_options: Any) -> None:
         self.polled: Set[Subscription] = set()  # that no executor is to look after
-        self.rejections = Rejections(self)
+        self.rejections, self._set_back = Rejections(self), SetBack()
         super().__init__(name, namespace=namespace or None, **node_options)
         self.done = False
         self.runtime = runtime_of(
@@ -99,7 +99,7 @@ class DiffDriveNode(Node, Generic[Config], metaclass=_LeavesWhereRefused):
             argv=[*argv, *(node_options.get('cli_args') or ())])
         self.counts = self.rejections.counts
         self.health = Health(self, self.parameters.values.get('diagnostics_rate', 0.0))
-        self.time = NodeTime(self)
+        self.time = NodeTime(self, stepped.set_back if stepped else self._set_back)
 
     @property
     def config(self) -> Config:
@@ -115,7 +115,7 @@ class DiffDriveNode(Node, Generic[Config], metaclass=_LeavesWhereRefused):
             **options: Any) -> Subscription:
         """Return a subscription; that of ``/clock``, which rclpy makes by itself, is guarded."""
         if msg_type is Clock:
-            callback = self.rejections.guarded(topic, checked_clock(callback))
+            callback = self.rejections.guarded(topic, checked_clock(callback, self._set_back.note))
         return super().create_subscription(msg_type, topic, callback, *arguments, **options)
 
     def create_service(

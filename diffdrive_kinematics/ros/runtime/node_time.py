@@ -16,7 +16,7 @@
 
 from typing import Any, Optional
 
-from diffdrive_kinematics.ros.runtime.clocks import StepWatch
+from diffdrive_kinematics.ros.runtime.clocks import SetBack, StepWatch
 from diffdrive_kinematics.ros.runtime.simulated_clock import ClockWatch
 
 
@@ -29,12 +29,15 @@ class NodeTime:
     node : DiffDriveNode
         Whose clock it is.  Where time is simulated its ``on_clock_look`` is called ten times a
         second, with the time [s] that the clock has stood.
+    set_back : SetBack
+        How far it was set back, where time is simulated.
 
     """
 
-    def __init__(self, node: Any) -> None:
+    def __init__(self, node: Any, set_back: SetBack) -> None:
         self._node, self._runtime = node, node.runtime
-        self.now_and_step = StepWatch(node.runtime.clock, self._on_step).now_and_step
+        self.now_and_step = StepWatch(
+            node.runtime.clock, set_back, self._on_step).now_and_step
         self._watch: Optional[ClockWatch] = None
         self._watch_clock(())
         node.add_post_set_parameters_callback(self._watch_clock)

@@ -18,7 +18,7 @@ from collections import Counter
 from typing import Any, Callable
 
 from diffdrive_kinematics.core.odometry import Verdict
-from diffdrive_kinematics.ros.messages.messages import check_stamp
+from diffdrive_kinematics.ros.messages.messages import check_stamp, nanoseconds
 from diffdrive_kinematics.ros.runtime.rclpy_private import RMWError
 from rcl_interfaces.msg import SetParametersResult
 from rclpy.node import Node
@@ -88,12 +88,18 @@ class Rejections:
         return guarded
 
 
-def checked_clock(callback: Callable[[Clock], None]) -> Callable[[Clock], None]:
-    """Return a callback that raises ``ValueError`` for a time that clock or stamps cannot have."""
+def checked_clock(
+        callback: Callable[[Clock], None], note: Callable[[int], None]) -> Callable[[Clock], None]:
+    """
+    Return a callback that raises ``ValueError`` for a time that clock or stamps cannot have.
+
+    Others it lets ``note`` [ns] first.
+    """
     def checked(message: Clock) -> None:
         check_stamp(message.clock.sec, message.clock.nanosec)
         if message.clock.sec < 0:
             raise ValueError(f'time is {message.clock.sec} s, expected 0 or later')
+        note(nanoseconds(message.clock))
         callback(message)
 
     return checked

@@ -95,3 +95,17 @@ def test_another_delay_on_the_way_keeps_the_order_of_what_is_done(at_ms, other_n
     rates = [each.rates[0] for each in done]
     assert sum(one != other for one, other in zip(rates, rates[1:])) == 2
     assert done[-1].rates == (0.0, 0.0)
+
+
+@pytest.mark.parametrize('step_ms', [-3_600_000, -500, -50, 5000])
+@pytest.mark.parametrize('cut', [1, 9, 40])
+def test_a_step_of_the_clock_that_is_known_changes_nothing_but_the_stamps(step_ms, cut):
+    told, done = AnsweredMotion(doubled, DELAY_NS), []
+    for number in range(61):
+        if number == cut:
+            told = told.clock_stepped(step_ms * MS)
+        rate = 1.0 if 10 <= number < 30 else 0.0
+        passed_ms = 0 if number < cut else step_ms
+        told, due = told.update(WheelSample((number * 50 + passed_ms) * MS, (rate, rate)))
+        done += [(each.stamp_ns - passed_ms * MS, each.rates) for each in due]
+    assert done == [(each.stamp_ns, each.rates) for each in heard(50)]

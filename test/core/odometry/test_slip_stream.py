@@ -297,6 +297,24 @@ def test_a_step_of_the_clock_moves_nothing_and_the_positions_go_on():
 
 
 @LAW
+@given(schedules, st.integers(0, 11), st.integers(-3600 * S, 3600 * S), st.integers(0, 2**32))
+def test_a_step_of_the_clock_that_is_known_changes_nothing_but_the_stamps(
+        samples, cut, step_ns, seed):
+    generator, out = np.random.default_rng(seed), []
+    stream, before = NOISY, samples[:cut]
+    for sample in before:
+        stream, noisy, _ = stream.apply(sample, generator)
+        out.append(noisy)
+    stream = stream.clock_stepped(step_ns)
+    for sample in samples[cut:]:
+        stream, noisy, _ = stream.apply(
+            replace(sample, stamp_ns=sample.stamp_ns + step_ns), generator)
+        out.append(noisy and replace(noisy, stamp_ns=noisy.stamp_ns - step_ns))
+    assert [replace(each, source='/noise#1') for each in out if each] == passed(
+        NOISY, samples, seed)[1]
+
+
+@LAW
 @given(schedules, st.integers(1, 11), st.integers(0, 2**32))
 def test_a_restart_of_the_noise_causes_no_jump_downstream(samples, cut, seed):
     before, after = samples[:cut], samples[cut:]

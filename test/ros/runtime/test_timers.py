@@ -17,7 +17,8 @@
 from types import SimpleNamespace
 
 from diffdrive_kinematics.ros.runtime import clocks
-from diffdrive_kinematics.ros.runtime.clocks import SteadyTimers, SteppedClock, StepWatch, Timer
+from diffdrive_kinematics.ros.runtime.clocks import (
+    SetBack, SteadyTimers, SteppedClock, StepWatch, Timer)
 from hypothesis import given, strategies as st
 import pytest
 
@@ -152,7 +153,7 @@ class Clocks:
         patch.setattr(clocks.time, 'time_ns', self._look)
         patch.setattr(clocks.time, 'monotonic_ns', lambda: self.steady)
         handle = SimpleNamespace(get_ros_time_override_is_enabled=lambda: False)
-        self.watch = StepWatch(SimpleNamespace(handle=handle))
+        self.watch = StepWatch(SimpleNamespace(handle=handle), SetBack())
         self.watch.now_and_step()
 
     def _look(self):
