@@ -14,9 +14,8 @@
 
 """A simulated clock that is set back in mid-drive: what it takes is no time, for any node."""
 
-from geometry_msgs.msg import Twist, TwistStamped
 import pytest
-from support.graph import KHEPERA, x_of
+from support.graph import KHEPERA
 from support.stepped import messages
 
 pytestmark = pytest.mark.ros
