@@ -18,6 +18,7 @@ import math
 from typing import Any, Dict, List, Optional
 
 from diffdrive_kinematics.core.odometry import Mismatch, Odometry
+from diffdrive_kinematics.ros.inputs.finding import Finding
 from diffdrive_kinematics.ros.runtime.diagnostics import Problem, WARN
 
 ALIKE = 1.1  # a factor within a tenth of a known one is that
@@ -86,40 +87,30 @@ class DriverWatch:
     """
 
     def __init__(self, node: Any, topic: str) -> None:
-        self._node, self._topic = node, node.resolve_topic_name(topic)
+        self._topic = node.resolve_topic_name(topic)
         self._gear_ratio = node.config.values['gear_ratio']  # m/s are those of the wheel
-        self._clock = ''
+        self._clock, self._velocity = Finding(node), Finding(node)
         self._disagreement: Optional[Mismatch] = None
-        self._velocity = ''
 
     def look(self, odometry: Odometry) -> None:
         """Say what has changed; to be called where the clock or the measured wheels have."""
         clock = odometry.clock
         if clock.differs:
-            text = clock_text(clock.offset_ns, self._topic)
-            if not self._clock:
-                self._node.get_logger().warning(text)
-            self._clock = text
-        elif self._clock and not clock.apart:
-            self._clock = ''
-            self._node.get_logger().info(f"stamps on '{self._topic}' agree with our clock again")
+            self._clock.note(clock_text(clock.offset_ns, self._topic))
+        elif not clock.apart:
+            self._clock.note('', f"stamps on '{self._topic}' agree with our clock again")
         disagreement = odometry.measured.check.disagreement if odometry.measured else None
         if disagreement is self._disagreement:
             return
-        new, self._disagreement = self._disagreement is None, disagreement
-        if disagreement is None:
-            self._velocity = ''
-            self._node.get_logger().info(
-                f"velocities on '{self._topic}' agree with the positions, and are used")
-            return
-        self._velocity = velocity_text(
-            disagreement, odometry.geometry.left_radius / self._gear_ratio, self._topic)
-        if new:
-            self._node.get_logger().warning(self._velocity)
+        self._disagreement = disagreement
+        radius = odometry.geometry.left_radius / self._gear_ratio
+        self._velocity.note(
+            velocity_text(disagreement, radius, self._topic) if disagreement else '',
+            f"velocities on '{self._topic}' agree with the positions, and are used")
 
     def problems(self) -> List[Problem]:
         """Return what is wrong, for diagnostics."""
-        return [Problem(WARN, text) for text in (self._clock, self._velocity) if text]
+        return [Problem(WARN, each.text) for each in (self._clock, self._velocity) if each.text]
 
     def values(self, odometry: Odometry) -> Dict[str, Any]:
         """Return what there is to know, for diagnostics."""

@@ -16,6 +16,7 @@
 
 from typing import Any, Dict, List
 
+from diffdrive_kinematics.ros.inputs.finding import Finding
 from diffdrive_kinematics.ros.inputs.publisher_watch import LOOK_RATE, PublisherNames
 from diffdrive_kinematics.ros.messages.wheel_messages import WheelReader
 from diffdrive_kinematics.ros.runtime.diagnostics import Problem, WARN
@@ -45,7 +46,7 @@ class WheelWatch:
     def __init__(self, node: Any, reader: WheelReader, topic: str) -> None:
         self._node, self._gathering, self._reader = node, reader.gathering, reader
         self._topic, self._names = node.resolve_topic_name(topic), PublisherNames(node, topic)
-        self._contest, self._silent, self._apart = '', '', ''
+        self._contest, self._silent, self._apart = Finding(node), Finding(node), Finding(node)
         self._disagreements: List[str] = []
         self._left_out = self._reported_left_out = self._reported_incomplete = 0
         node.runtime.every(LOOK_RATE, self._look)
@@ -60,18 +61,17 @@ class WheelWatch:
     def _look_at_publishers(self, now_ns: int) -> None:
         sources = self._gathering.sources
         if not sources.contested(now_ns):
-            self._contest = ''
+            self._contest.note('')
             self._names.forget()
-        elif not self._contest and (names := self._names.look()) is not None:
-            self._contest = (
+        elif not self._contest.text and (names := self._names.look()) is not None:
+            self._contest.note(
                 f"wheel motion of our joints comes from several publishers on '{self._topic}' "
                 f'(it is published by {names}): {REMEDY}')
-            self._node.get_logger().warning(self._contest)
 
     def _look_at_missing_joints(self, now_ns: int) -> None:
         since_ns = self._gathering.waiting_since_ns
         if since_ns is None or now_ns - since_ns < GRACE_NS:
-            self._silent = ''
+            self._silent.note('')
             return
         missing, never = self._gathering.missing()
         if never and self._reported_incomplete != self._gathering.incomplete:
@@ -79,10 +79,9 @@ class WheelWatch:
             self._node.rejections.refuse(
                 f"message on '{self._topic}': name is {list(self._reader.partial)!r}, only some "
                 f'of our joints, expected also {missing!r}')
-        elif not never and not self._silent:
-            self._silent = (
+        elif not never and not self._silent.text:
+            self._silent.note(
                 f"no messages of {missing!r} on '{self._topic}', while the other joints have some")
-            self._node.get_logger().warning(self._silent)
 
     def _look_at_stamps(self) -> None:
         delays = self._gathering.delays()
@@ -90,15 +89,10 @@ class WheelWatch:
             return
         first, last = min(delays, key=delays.__getitem__), max(delays, key=delays.__getitem__)
         apart_ns = delays[last] - delays[first]
-        if apart_ns <= MOST_APART_NS:
-            self._apart = ''
-            return
-        before, self._apart = self._apart, (
+        self._apart.note('' if apart_ns <= MOST_APART_NS else (
             f"stamps of {last!r} on '{self._topic}' are {apart_ns / 1e9:.3f} s behind those of "
             f'{first!r}, so the wheels are read at different times: does each board have '
-            'a clock of its own?')
-        if not before:
-            self._node.get_logger().warning(self._apart)
+            'a clock of its own?'))
 
     def _look_at_wheels(self) -> None:
         gathering = self._gathering
@@ -124,7 +118,7 @@ class WheelWatch:
 
     def problems(self) -> List[Problem]:
         """Return what is wrong, for diagnostics."""
-        texts = [self._contest, self._silent, self._apart]
+        texts = [self._contest.text, self._silent.text, self._apart.text]
         if self._left_out:
             texts.append(self._left_out_text())
         if self._disagreements:
