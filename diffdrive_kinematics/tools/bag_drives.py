@@ -19,10 +19,10 @@ from dataclasses import dataclass, field
 import math
 from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Sequence, Tuple
 
-from diffdrive_kinematics.core.kinematics import Pose, wheel_rates_from_twist, WheelGeometry
+from diffdrive_kinematics.core.kinematics import wheel_rates_from_twist, WheelGeometry
 from diffdrive_kinematics.core.noise import planar_pose
 from diffdrive_kinematics.core.odometry import WheelSample
-from diffdrive_kinematics.ros.messages.messages import nanoseconds
+from diffdrive_kinematics.ros.messages.messages import nanoseconds, pose_in_plane
 from diffdrive_kinematics.ros.messages.wheel_joints import wheel_joints
 from diffdrive_kinematics.ros.messages.wheel_messages import WheelReader
 from diffdrive_kinematics.tools.bags import Bag, BagMessage, BagTopic, message_of, open_bag
@@ -216,8 +216,7 @@ def _pose_handle(collection: Collection, times: Times) -> Handle:
         read = message_of(message)
         pose = getattr(read.pose, 'pose', read.pose)
         collection.add_pose(
-            times.of(nanoseconds(read.header.stamp), message.received_ns),
-            _planar(pose.position, pose.orientation))
+            times.of(nanoseconds(read.header.stamp), message.received_ns), pose_in_plane(pose))
 
     return handle
 
@@ -228,16 +227,13 @@ def _transform_handle(collection: Collection, values: Mapping[str, Any], times: 
     def handle(message: BagMessage) -> None:
         for each in message_of(message).transforms:
             if _frames(each) == wanted:
+                at, q = each.transform.translation, each.transform.rotation
                 collection.add_pose(
                     times.of(nanoseconds(each.header.stamp), message.received_ns),
-                    _planar(each.transform.translation, each.transform.rotation))
+                    planar_pose(at.x, at.y, (q.x, q.y, q.z, q.w)))
 
     return handle
 
 
 def _frames(transform: Any) -> Tuple[str, str]:
     return transform.header.frame_id.lstrip('/'), transform.child_frame_id.lstrip('/')
-
-
-def _planar(at: Any, q: Any) -> Pose:
-    return planar_pose(at.x, at.y, (q.x, q.y, q.z, q.w))
