@@ -121,13 +121,12 @@ class LimitRanges:
     @cached_property
     def ramps(self) -> bool:
         """Whether a change of velocity takes time: an acceleration or a jerk is limited."""
-        bounds = (*self.forward_rates, *self.reverse_rates, *self.jerk_range)
-        return not all(math.isinf(bound) for bound in bounds)
+        return self.eases or any(map(math.isfinite, (*self.forward_rates, *self.reverse_rates)))
 
     @cached_property
     def eases(self) -> bool:
         """Whether a change of acceleration takes time: a jerk is limited."""
-        return not all(math.isinf(jerk) for jerk in self.jerk_range)
+        return any(map(math.isfinite, self.jerk_range))
 
 
 def _or(value: float, default: float) -> float:
