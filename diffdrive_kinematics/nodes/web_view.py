@@ -20,10 +20,11 @@ from typing import Any, List, Mapping, Tuple
 
 from diagnostic_msgs.msg import DiagnosticArray
 from diffdrive_kinematics.core.commands import Helm
+from diffdrive_kinematics.core.kinematics import Pose
 from diffdrive_kinematics.ros.inputs.remote_parameters import RemoteParameters
 from diffdrive_kinematics.ros.inputs.remote_triggers import RemoteTriggers
 from diffdrive_kinematics.ros.messages.codec import TwistCodec
-from diffdrive_kinematics.ros.messages.messages import quaternion_of, set_stamp
+from diffdrive_kinematics.ros.messages.plain import header_of, pose_message
 from diffdrive_kinematics.ros.parameters.configuration_error import refusing
 from diffdrive_kinematics.ros.parameters.tables import WEB_VIEW
 from diffdrive_kinematics.ros.runtime.diagnostics import RateSample, Status
@@ -175,12 +176,9 @@ class WebView(DiffDriveNode[Mapping[str, Any]]):
         if belief is None:
             raise ValueError('no odometry has been received yet')
         yaw = math.atan2(y - belief.y, x - belief.x)
-        goal = PoseStamped()
-        goal.header.frame_id = self._shown.frame_id
-        set_stamp(goal.header.stamp, self.runtime.now_ns())
-        goal.pose.position.x, goal.pose.position.y = x, y
-        goal.pose.orientation.z, goal.pose.orientation.w = quaternion_of(yaw)
-        self._goals.publish(goal)
+        self._goals.publish(PoseStamped(
+            header=header_of(self._shown.frame_id, self.runtime.now_ns()),
+            pose=pose_message(Pose(x, y, yaw))))
         self._shown.show('goal', [x, y])
 
     def _do_set(self, _: int, value: Any) -> None:
