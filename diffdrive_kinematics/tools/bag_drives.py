@@ -27,7 +27,7 @@ from diffdrive_kinematics.ros.messages.wheel_joints import wheel_joints
 from diffdrive_kinematics.ros.messages.wheel_messages import WheelReader
 from diffdrive_kinematics.tools.bags import Bag, BagMessage, BagTopic, message_of, open_bag
 from diffdrive_kinematics.tools.collection import Collection
-from diffdrive_kinematics.tools.recordings import nobody
+from diffdrive_kinematics.tools.recordings import nobody, Progress
 
 COMMANDS = 'commands'
 PROGRESS_MESSAGES = 4096
@@ -39,7 +39,6 @@ MOTIONS = (JOINTS, *TWISTS, ODOMETRY)
 REFERENCES = (
     ODOMETRY, 'geometry_msgs/msg/PoseStamped', 'geometry_msgs/msg/PoseWithCovarianceStamped', TF)
 
-Progress = Callable[[str], None]
 Handle = Callable[[BagMessage], None]
 
 

@@ -17,7 +17,7 @@
 from dataclasses import dataclass, field
 from itertools import count
 import math
-from typing import Any, Callable, List, Mapping, NamedTuple, Optional, Sequence, Tuple
+from typing import Any, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
 from diffdrive_kinematics.core.calibration import (
     Clock, COMMANDED, fit_drive_slip, fit_sessions, fit_squares, fit_trajectory, RecordedDrive,
@@ -29,7 +29,7 @@ from diffdrive_kinematics.tools.calibration_remarks import (
     slip_remark, square_remarks)
 from diffdrive_kinematics.tools.calibration_sessions import (
     session_parameters, session_remark, session_rows, THIS_SESSION_ONLY)
-from diffdrive_kinematics.tools.recordings import nobody
+from diffdrive_kinematics.tools.recordings import nobody, Progress
 
 CLOCKS = {'none': Clock.NONE, 'delay': Clock.DELAY, 'offsets': Clock.OFFSETS,
           'drifts': Clock.DRIFTS, 'auto': Clock.AUTO}
@@ -110,8 +110,7 @@ def of_squares(
 
 def of_drives(
         values: Mapping[str, Any], geometry: WheelGeometry, drives: Sequence[RecordedDrive], *,
-        clock: str, commands: bool = False,
-        progress: Callable[[str], None] = nobody) -> Calibration:
+        clock: str, commands: bool = False, progress: Progress = nobody) -> Calibration:
     """Return the calibration by trajectory fit; ``ValueError`` where the drives allow none."""
     whole = drives
     drives = [without_frozen_poses(drive, wheel_radius=geometry.wheel_radius) for drive in whole]

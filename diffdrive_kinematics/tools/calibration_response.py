@@ -14,7 +14,7 @@
 
 """What ``calibrate`` finds of a robot without encoders: how it follows them."""
 
-from typing import Any, Callable, Dict, Mapping, Sequence
+from typing import Any, Dict, Mapping, Sequence
 
 from diffdrive_kinematics.core.calibration import (
     Clock, COMMANDED, fit_drive_slip, fit_response, fit_trajectory, RecordedDrive, responded,
@@ -24,7 +24,7 @@ from diffdrive_kinematics.core.kinematics import WheelGeometry
 from diffdrive_kinematics.tools.calibration import (
     Calibration, Gain, MULTIPLIERS, of_drives, Row, slip_rows)
 from diffdrive_kinematics.tools.calibration_remarks import slip_remark
-from diffdrive_kinematics.tools.recordings import nobody
+from diffdrive_kinematics.tools.recordings import nobody, Progress
 
 UNITS = {'max_speed': 'm/s', 'max_yaw_rate': 'rad/s', 'veer': 'rad/m', 'turn_loss': 'm',
          'delay': 's'}
@@ -32,8 +32,7 @@ UNITS = {'max_speed': 'm/s', 'max_yaw_rate': 'rad/s', 'veer': 'rad/m', 'turn_los
 
 def of_recordings(
         values: Mapping[str, Any], geometry: WheelGeometry, drives: Sequence[RecordedDrive], *,
-        clock: str, commands: bool = False,
-        progress: Callable[[str], None] = nobody) -> Calibration:
+        clock: str, commands: bool = False, progress: Progress = nobody) -> Calibration:
     """Return the calibration of wheels, or of the response; ``ValueError`` where there is none."""
     if not values['fit_response']:
         return of_drives(
@@ -48,7 +47,7 @@ def of_recordings(
 
 def of_commands(
         geometry: WheelGeometry, drives: Sequence[RecordedDrive], *, equal_slip: bool,
-        progress: Callable[[str], None]) -> Calibration:
+        progress: Progress) -> Calibration:
     """Return the calibration by the response; ``ValueError`` where the drives allow none."""
     for name in MULTIPLIERS:
         if getattr(geometry, name) != 1.0:

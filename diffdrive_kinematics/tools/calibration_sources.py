@@ -14,7 +14,7 @@
 
 """What ``calibrate`` reads of recorded drives."""
 
-from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Sequence, Tuple
+from typing import Any, Dict, List, Mapping, NamedTuple, Sequence, Tuple
 
 from diffdrive_kinematics.core.calibration import (
     drive_from_commands, drive_from_positions, drive_from_rates, drive_from_ticks,
@@ -25,7 +25,7 @@ from diffdrive_kinematics.tools.bags import is_bag
 from diffdrive_kinematics.tools.collection import Collection
 from diffdrive_kinematics.tools.plausible import check_stamps, check_units
 from diffdrive_kinematics.tools.recordings import (
-    check_columns, COMMAND_COLUMNS, Header, nobody, read_chosen, read_columns)
+    check_columns, COMMAND_COLUMNS, Header, nobody, Progress, read_chosen, read_columns)
 import numpy as np
 
 REFERENCE_COLUMNS = ('time_sec', 'x', 'y', 'yaw')
@@ -35,8 +35,6 @@ MOTIONS: Dict[str, Tuple[str, ...]] = {
     'wheel_positions': ('time_sec', 'left_position', 'right_position'),
     'ticks': ('time_sec', 'left_ticks', 'right_ticks')}
 """Columns of each kind of motion, which its header tells."""
-
-Progress = Callable[[str], None]
 
 
 class Drives(NamedTuple):

@@ -30,14 +30,14 @@ COMMAND_COLUMNS = ('time_sec', 'linear_x', 'angular_z')
 PROGRESS_ROWS = 4096
 
 Header = Tuple[str, ...]
+Progress = Callable[[str], None]
 
 
 def nobody(_: str) -> None:
     """Be told how far it is, and do nothing."""
 
 
-def read_columns(
-        path: str, columns: Sequence[str], progress: Callable[[str], None] = nobody) -> Array:
+def read_columns(path: str, columns: Sequence[str], progress: Progress = nobody) -> Array:
     """
     Return the named columns of a CSV file with a header, shape (n, columns).
 
@@ -59,8 +59,8 @@ def check_columns(path: str, header: Header, columns: Sequence[str]) -> Sequence
 
 
 def read_chosen(
-        path: str, choose: Callable[[Header], Sequence[str]],
-        progress: Callable[[str], None] = nobody) -> Tuple[Header, Array]:
+        path: str, choose: Callable[[Header], Sequence[str]], progress: Progress = nobody
+) -> Tuple[Header, Array]:
     """
     Return columns of a CSV file that are chosen from its header.
 
