@@ -230,6 +230,7 @@ class DiffDriveController(DiffDriveNode[Config]):
             'old commands': self.counts['old commands'], **self._stop.values(),
             'publishers of commands': self._command_watch.count}, [
                 *self._stop.problems(), *self._command_watch.problems(),
+                *self._intake.problems(),
                 *self.health.statistics.problems(
                     sample.now_ns, values['cmd_vel_timeout'], topic, at_rest=drive.rates == REST,
                     none_yet=OK),

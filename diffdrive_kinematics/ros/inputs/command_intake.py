@@ -16,12 +16,14 @@
 
 import math
 import time
-from typing import Any, Callable, Mapping, Optional, Tuple
+from typing import Any, Callable, List, Mapping, Optional, Tuple
 
 from diffdrive_kinematics.core.commands import STILL, Twist
 from diffdrive_kinematics.core.kinematics import NANOSECONDS
 from diffdrive_kinematics.core.odometry import SenderClocks
+from diffdrive_kinematics.ros.inputs.other_clock import StampWatch
 from diffdrive_kinematics.ros.messages.codec import CommandReader
+from diffdrive_kinematics.ros.runtime.diagnostics import Problem
 from diffdrive_kinematics.ros.runtime.rclpy_private import taker_of
 from rclpy.subscription import Subscription
 
@@ -29,6 +31,7 @@ LATE_NS = 50_000_000  # up to which the age of a command is that of its way here
 BEFORE_ALL_NS = -2**63
 REPORT_PERIOD_S = 1.0
 BY_STAMP = 'if the clocks differ, set cmd_vel_clock_offset'
+AHEAD = 'stamps ahead of it count as now, commands that are too old by it are ignored'
 BY_SENDING = 'it waited in a queue, or the clock of its sender is behind'
 GRACE_S = 0.1  # which the middleware has to deliver after the process was held up
 PAUSE_S = 0.001
@@ -61,6 +64,7 @@ class CommandIntake:
         self._reader = CommandReader('' if stamped else None)
         self._obeyed_ns = BEFORE_ALL_NS
         self._clocks, self._on_own_clock = SenderClocks(0), True
+        self._stamps = StampWatch(node, topic, AHEAD)
         self.configure(values)
         if 0.0 < values['cmd_vel_timeout'] < values['stamp_tolerance']:
             node.get_logger().warning(
@@ -106,6 +110,8 @@ class CommandIntake:
         if own_ns:
             own_ns += self._offset_ns
             age_ns = now_ns - own_ns
+            if now_ns:
+                self._stamps.note(own_ns, now_ns)
             if 0 <= age_ns <= self._tolerance_ns:
                 stamp_ns = own_ns
             if own_ns < self._obeyed_ns and twist != STILL:
@@ -133,9 +139,14 @@ class CommandIntake:
     def clock_stepped(self, step_ns: int, *, wall: bool) -> None:
         """Note that the own clock, the ``wall`` clock or a simulated one, was stepped."""
         self._obeyed_ns = max(BEFORE_ALL_NS, self._obeyed_ns + step_ns)
+        self._stamps.clock_stepped(step_ns)
         if wall:
             self._clocks = self._clocks.clock_stepped(step_ns)
             self._on_own_clock = False
+
+    def problems(self) -> List[Problem]:
+        """Return what is wrong with the stamps of commands, for diagnostics."""
+        return self._stamps.problems()
 
     def _learnt_age(self, latency_ns: int) -> int:
         """Return how long ago [ns] a message was sent, and learn of its sender's clock."""

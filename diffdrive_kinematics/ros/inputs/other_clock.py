@@ -33,11 +33,15 @@ class StampWatch:
         It warns, once for each time that the clocks part.
     topic : str
         Where the stamps come from.
+    effect : str
+        What comes of it, in words.
 
     """
 
-    def __init__(self, node: DiffDriveNode[Any], topic: str) -> None:
-        self._node, self._topic = node, node.resolve_topic_name(topic)
+    def __init__(
+            self, node: DiffDriveNode[Any], topic: str,
+            effect: str = 'timeouts count from the arrival of messages') -> None:
+        self._node, self._topic, self._effect = node, node.resolve_topic_name(topic), effect
         self._clock = SenderClock(TOLERANCE_NS)
         self._said = False
 
@@ -49,7 +53,7 @@ class StampWatch:
             if self._said:
                 self._node.get_logger().warning(
                     f'{self._finding()} (stamp {stamp_ns / 1e9:.3f} s, own clock '
-                    f'{now_ns / 1e9:.3f} s); timeouts count from the arrival of messages')
+                    f'{now_ns / 1e9:.3f} s); {self._effect}')
 
     def clock_stepped(self, step_ns: int) -> None:
         """Note that the clock of the node was stepped."""

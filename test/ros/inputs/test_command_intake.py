@@ -15,10 +15,12 @@
 """Which commands are obeyed, by their stamps and by when they were sent."""
 
 from collections import Counter
+import math
 import time
 from types import SimpleNamespace
 
 from diffdrive_kinematics.ros.inputs.command_intake import CommandIntake
+from diffdrive_kinematics.ros.runtime.diagnostics import WARN
 from geometry_msgs.msg import Twist, TwistStamped
 from hypothesis import given, strategies as st
 import pytest
@@ -35,7 +37,9 @@ def intake(stamped=True, **values):
     values = {**VALUES, **values}
     logger = SimpleNamespace(warning=lambda *_, **__: None)
     node = SimpleNamespace(
-        counts=Counter(), config=SimpleNamespace(values=values), get_logger=lambda: logger)
+        counts=Counter(), config=SimpleNamespace(values=values), get_logger=lambda: logger,
+        resolve_topic_name=lambda name: name,
+        runtime=SimpleNamespace(clock=SimpleNamespace(ros_time_is_active=True)))
     return CommandIntake(node, stamped, '/cmd_vel', values), node
 
 
@@ -194,3 +198,36 @@ def test_after_a_stop_no_command_is_obeyed_that_is_stamped_before_it():
     assert given_stamp(judge, NOW, 1.0)
     judge.none_before(NOW - S)
     assert given_stamp(judge, NOW - 1, 1.0) is None
+
+
+def over_ten_seconds(judge, ahead_ns):
+    """Tell commands of a clock that is ahead of ours."""
+    for number in range(200):
+        now_ns = NOW + number * S // 20
+        given_stamp(judge, now_ns + ahead_ns, 0.1, now_ns)
+
+
+@pytest.mark.parametrize('ahead_s', [1_700_000_000, 3600, 3, -3, -900_000])
+def test_stamps_of_another_clock_are_named_once_and_as_long_as_it_is_another(ahead_s):
+    judge, _ = intake()
+    texts = reports(judge)
+    over_ten_seconds(judge, ahead_s * S)
+    text, = (text for text in texts if 'another clock' in text)
+    assert 'use_sim_time (now true)' in text and "'/cmd_vel'" in text
+    problem, = judge.problems()
+    assert problem.level == WARN and 'another clock' in problem.message
+    judge.clock_stepped(ahead_s * S, wall=False)  # now it is the same
+    over_ten_seconds(judge, 0)
+    assert judge.problems() == []
+
+
+@pytest.mark.parametrize('stamped, ahead_s, values', [
+    (True, 0.0, {}), (True, 0.9, {}), (True, -0.4, {}),
+    (True, -3600.0, {'cmd_vel_clock_offset': 3600.0}),
+    (True, -3600.0, {'cmd_vel_clock_offset': math.nan}), (False, 0.0, {})])
+def test_nothing_is_said_of_clocks_that_agree_or_are_known_to_be_apart(stamped, ahead_s, values):
+    judge, _ = intake(stamped, **values)
+    texts = reports(judge)
+    if stamped:
+        over_ten_seconds(judge, round(ahead_s * S))
+    assert texts == [] and judge.problems() == []
