@@ -126,6 +126,21 @@ def test_a_key_moves_the_robot_and_whatever_ends_it_lets_the_robot_rest(robot, b
     robot.wait(robot.rests, 'the robot to rest')
 
 
+def test_no_words_on_the_map_cover_others(robot, browser):
+    page = look(robot, browser)
+    page.keyboard.down('w')
+    robot.wait(lambda: seen(page, 'truth'), 'the poses')
+    page.evaluate('webView.notice = "emergency stop: nobody serves ~/stop, ".repeat(2)')
+    page.wait_for_function('document.getElementById("dd-truth")?.textContent'
+                           ' && document.getElementById("dd-state").textContent')
+    for width, height in (1280, 800), (701, 800), (390, 844):
+        page.set_viewport_size({'width': width, 'height': height})
+        legend, state, fit = (page.locator(each).bounding_box() for each in (
+            '#dd-legend', '#dd-state', '#dd-fit'))
+        assert legend['y'] + legend['height'] <= state['y']
+        assert state['y'] + state['height'] <= fit['y']
+
+
 def test_the_stick_drives_backward_and_turns(robot, browser):
     page = look(robot, browser, has_touch=True, viewport={'width': 390, 'height': 844})
     box = page.locator('#dd-pad').bounding_box()
