@@ -23,7 +23,7 @@ import sys
 
 from diffdrive_kinematics.ros.parameters.package_share import share_directory
 from diffdrive_kinematics.ros.parameters.tables import TABLES
-from diffdrive_kinematics.ros.runtime.command_line import example_of
+from diffdrive_kinematics.ros.runtime.command_line import example_of, help_of
 import pytest
 from support.graph import START
 
@@ -120,6 +120,13 @@ def test_help_names_what_must_be_set_and_an_example(graph, name):
             assert f'  {entry.name} (' in process.output
 
 
+@pytest.mark.parametrize('name, words', [
+    ('diffdrive_sim', ('the demo without a params file', '-p record:=', '-p picture:=')),
+    ('command_sequence', ('-p commands:=', '-p recording:=', '-p square_side:='))])
+def test_help_says_what_no_parameter_that_must_be_set_tells(name, words):
+    assert all(each in help_of(name, '') for each in words)
+
+
 @pytest.mark.parametrize('name', [
     name for name in TABLES if name not in ('plot_paths', 'teleop', 'web_view')])
 def test_the_example_of_the_help_runs(graph, name):
@@ -135,7 +142,9 @@ def test_the_example_of_the_help_runs(graph, name):
     ('simulated_base', ['-p', 'wheel_radius:=-1.0', '-p', 'wheel_separation:=0.1'],
      'wheel_radius is -1.0'),
     ('command_sequence', ['-p', 'commands:=[0.1, 0, 4]'], 'not [0.1, 0, 4]'),
-    ('command_sequence', ['--params-file', 'none.yaml'], 'the file does not exist')])
+    ('command_sequence', ['--params-file', 'none.yaml'], 'the file does not exist'),
+    ('command_sequence', ['-r', '__ns:=robot1'], "a namespace begins with '/'"),
+    ('command_sequence', ['-r', '__ns:=/robot-1'], "letters, digits and '_'")])
 def test_what_is_set_wrongly_is_refused_without_advice_on_how_to_set_parameters(
         graph, name, args, words):
     process = graph.start(name, args=['--ros-args', *args])
@@ -144,11 +153,26 @@ def test_what_is_set_wrongly_is_refused_without_advice_on_how_to_set_parameters(
     assert 'Set parameters' not in process.output and ', at /' not in process.output
 
 
+@pytest.mark.parametrize('text, words', [
+    ('wheel_radius: 0.1\n', 'two underscores'),
+    ('/**:\n  ros_parameters:\n    wheel_radius: 0.1\n', 'two underscores'),
+    ('/**:\n\tros__parameters:\n', 'spaces instead of tabs'),
+    (None, 'a directory')])
+def test_a_file_that_is_no_params_file_is_refused_with_what_one_looks_like(
+        graph, tmp_path, text, words):
+    file = tmp_path / 'robot.yaml'
+    file.mkdir() if text is None else file.write_text(text)
+    process = graph.start('simulated_base', args=['--ros-args', '--params-file', str(file)])
+    assert process.wait() == 2
+    assert words in process.output and ', at /' not in process.output
+
+
 @pytest.mark.parametrize('name', ['command_sequence', 'simulated_base'])
 def test_what_is_missing_is_refused_with_advice_on_how_to_set_parameters(graph, name):
     process = graph.start(name, args=[])
     assert process.wait() == 2
     assert ' is not set, expected ' in process.output and 'Set parameters' in process.output
+    assert '..' not in process.output and '.;' not in process.output  # one sentence
 
 
 def test_calibrate_alone_names_its_three_modes(graph):

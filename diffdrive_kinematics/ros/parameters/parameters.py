@@ -146,7 +146,9 @@ class ParameterSet(Generic[Config]):
         for entry in self.table.values():
             raw = self._declared(entry, given.get(older.get(entry.name, entry.name)))
             if entry.required and raw != raw:  # the default of what must be set is NaN
-                problems.append(f'{entry.name} is not set, expected {entry.description}')
+                wanted = entry.description.rstrip('.')
+                problems.append(
+                    f'{entry.name} is not set, expected {wanted[0].lower()}{wanted[1:]}')
                 continue
             try:
                 values[entry.name] = coerce(entry, raw)

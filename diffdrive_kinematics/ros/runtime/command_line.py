@@ -33,6 +33,11 @@ MORE = {'command_sequence': "-p commands:='[0.1, 0.0, 4.0]'", 'plot_paths': '-p 
 MODES = {  # of executables that do quite different things
     'calibrate': 'one of -p square_runs:=FILE.csv (UMBmark), -p recordings:=[FILE, ...] (a fit to '
                  'recorded drives), or neither (live topics, until Ctrl-C or a call of ~/finish)'}
+NOTES = {  # on what no parameter that must be set tells
+    'command_sequence': 'One of -p commands:=[V, OMEGA, DURATION, ...], -p recording:=FILE and -p '
+                        'square_side:=METRES has to be set.',
+    'diffdrive_sim': 'It runs the demo without a params file. -p record:=drive.csv keeps a drive, '
+                     '-p picture:=drive.png draws it.'}
 UNKNOWN = 2  # exit status
 
 
@@ -90,6 +95,7 @@ def help_of(name: str, summary: str) -> str:
         *(f'  {entry.name}: {entry.description}' for entry in required),
         *([] if required else ['  none']), '',
         *([f'Modes: {MODES[name]}', ''] if name in MODES else []),
+        *([NOTES[name], ''] if name in NOTES else []),
         'Example:', f'  {example_of(name)}', '',
         'All parameters: docs/reference/parameters.md'])
 

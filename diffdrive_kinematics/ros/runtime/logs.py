@@ -28,12 +28,20 @@ REMEDY = (
     'set ROS_LOG_DIR to a directory that can be written (Environment= or LogsDirectory= of a '
     f'systemd unit), or ROS_HOME or HOME, or keep no log files: --ros-args {NO_FILES}')
 
-HINTS = {  # to what rcl says of params files and -p
+HINTS = {  # to what rcl says of params files, -p and -r
     'Sequence should be of same type':
         'all numbers of a list need the same form: [0.1, 0.0, 4.0], not [0.1, 0, 4]',
     'Error opening YAML file':
         'the file does not exist (paths are relative to the current directory), or cannot be '
-        'read'}
+        'read',
+    'Cannot have a value before ros__parameters':
+        'expected a line NODE: (or /**:), below it ros__parameters: (two underscores), and the '
+        'values below that, each level two spaces further right',
+    'Error parsing a event':
+        'there is no YAML: is it a directory? If not, indent by spaces instead of tabs',
+    "Couldn't parse remap rule":
+        "expected -r FROM:=TO; a namespace begins with '/' and has letters, digits and '_', as in "
+        '-r __ns:=/robot1'}
 
 
 def check_log_directory(environment: Mapping[str, str], argv: Sequence[str]) -> None:
