@@ -38,6 +38,7 @@ def blocks(language):
     return [block.replace('\\\n', ' ') for block in found]
 
 
+@pytest.mark.timeout(900)  # a dozen of them
 def test_the_commands_of_the_tutorial_run_as_they_are_written(graph, tmp_path):
     pytest.importorskip('matplotlib')
     pytest.importorskip('nicegui')
