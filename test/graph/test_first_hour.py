@@ -26,6 +26,7 @@ from diffdrive_kinematics.ros.parameters.tables import TABLES
 from diffdrive_kinematics.ros.runtime.command_line import example_of, help_of
 import pytest
 from support.graph import START
+from support.killing import kill
 
 
 def test_the_demo_begins_with_what_it_does_and_ends_with_where_to_go_on(graph):
@@ -84,8 +85,7 @@ def test_a_terminal_sees_where_the_robot_is_and_a_file_does_not(graph):
         graph.wait_for(lambda: lines() > 2, 'a line that is written over and over')
         assert b'\n' not in seen
     finally:
-        shown.kill()
-        shown.wait()
+        kill(shown)
         os.close(ours)
         os.close(theirs)
     piped = graph.start('diffdrive_sim', args=['--ros-args', '--params-file', params])

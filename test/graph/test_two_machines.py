@@ -33,6 +33,7 @@ import time
 from diffdrive_kinematics.core.kinematics import advance, Pose
 import pytest
 from support.graph import arguments, DEADLINE_S, KHEPERA, START
+from support.killing import kill
 
 WATCHER = Path(__file__).parents[1] / 'support' / 'watcher.py'
 SPEED, TURN = 0.1, 0.5
@@ -112,8 +113,7 @@ class Machines:
 
     def close(self):
         for process in self._processes:
-            process.kill()
-            process.wait()
+            kill(process)
         for name in self.names:
             subprocess.run(['ip', 'netns', 'del', name], capture_output=True)
 

@@ -26,6 +26,7 @@ from geometry_msgs.msg import Twist, TwistStamped
 import pytest
 from rosgraph_msgs.msg import Clock
 from support.graph import arguments, stamp_ns, START
+from support.killing import kill
 
 pytestmark = pytest.mark.ros
 
@@ -73,9 +74,7 @@ class Terminal:
         return twist and (twist.linear.x, twist.angular.z)
 
     def kill(self):
-        if self.process.poll() is None:
-            self.process.kill()
-            self.process.wait()
+        kill(self.process)
         os.close(self.ours)
         os.close(self.theirs)
 

@@ -33,6 +33,7 @@ import rclpy
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.qos import QoSProfile
 from std_msgs.msg import Empty
+from support.killing import kill
 
 DEADLINE_S = 90.0
 ANSWER_S = 10.0
@@ -83,7 +84,9 @@ class Process:
         return self._file.read()
 
     def send(self, number):
-        if self.running:
+        if number == signal.SIGKILL:
+            kill(self._popen)
+        elif self.running:
             self._popen.send_signal(number)
 
     def stop(self, number=signal.SIGINT):
@@ -99,9 +102,7 @@ class Process:
             raise AssertionError(f'{self.name} does not end:\n{self.output}') from None
 
     def kill(self):
-        if self.running:
-            self._popen.kill()
-            self._popen.wait()
+        kill(self._popen)
         self._file.close()
 
 

@@ -22,7 +22,10 @@ import subprocess
 import sys
 import time
 
+from diffdrive_kinematics.testing.guardian import shared_memory_of
 import pytest
+from sensor_msgs.msg import JointState
+from support.graph import KHEPERA
 from support.planners import ROBOT
 
 pytestmark = [pytest.mark.ros, pytest.mark.slow]
@@ -110,3 +113,17 @@ def test_a_test_leaves_nothing_behind_when_it(files, end, workers):
     deadline = time.monotonic() + DEADLINE_S
     while left_of(files):
         assert time.monotonic() < deadline, left_of(files)
+
+
+def test_a_process_that_a_graph_ends_leaves_no_segment_behind_and_those_of_others_stay(graph):
+    base = graph.start('simulated_base', {**KHEPERA, 'enable_odom_tf': False})
+    graph.publisher(JointState, 'wheel_rates')
+
+    def segments(pid):
+        return {each for each in shared_memory_of(pid) if '_port' not in each}
+
+    own, theirs = segments(os.getpid()), segments(base.pid)
+    assert own and theirs - own
+    base.kill()
+    assert not [each for each in theirs - own if Path(each).exists()]
+    assert all(Path(each).exists() for each in own - theirs)

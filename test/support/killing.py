@@ -1,0 +1,40 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Processes that are killed, and the shared memory that they leave behind."""
+
+from contextlib import suppress
+import fcntl
+import os
+
+from diffdrive_kinematics.testing.guardian import shared_memory_of
+
+
+def kill(popen):
+    """
+    Kill a process, and delete its segments of Fast DDS in shared memory, which stay behind.
+
+    A process has mapped segments of others, too: of each the owner holds a lock.  Ports stay, as
+    their numbers are given out again: there are no more of them than processes at a time.
+    """
+    if popen.poll() is not None:
+        return
+    found = shared_memory_of(popen.pid)
+    popen.kill()
+    popen.wait()
+    for file in (each for each in found if '_port' not in each and not each.endswith('_el')):
+        with suppress(OSError), open(f'{file}_el', 'rb') as lock:
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            os.unlink(file)
+            os.unlink(f'{file}_el')
