@@ -23,7 +23,7 @@ from diffdrive_kinematics.core.kinematics import (
     NANOSECONDS, twist_from_wheel_rates, wheel_rates_from_twist)
 from diffdrive_kinematics.core.noise import draw_session, session_generator
 from diffdrive_kinematics.core.odometry import (
-    AnsweredMotion, SlipStream, timeout_from_seconds, WheelPair, WheelSample)
+    AnsweredMotion, ClockStep, SlipStream, timeout_from_seconds, WheelPair, WheelSample)
 from diffdrive_kinematics.ros.inputs.wheel_watch import WheelWatch
 from diffdrive_kinematics.ros.messages.wheel_joints import wheel_joints
 from diffdrive_kinematics.ros.messages.wheel_messages import WheelReader, WheelWriter
@@ -129,8 +129,10 @@ class WheelNoise(DiffDriveNode[Config]):
         """Return the time, with what is known moved along where the clock itself was stepped."""
         now_ns, step_ns = self.time.now_and_step()
         if step_ns:
-            self._stream = self._stream.clock_stepped(step_ns)
-            self._response = self._response and self._response.clock_stepped(step_ns)
+            step = ClockStep(step_ns, now_ns)
+            self._reader.clock_stepped(step)
+            self._stream = self._stream.clock_stepped(step)
+            self._response = self._response and self._response.clock_stepped(step)
         return now_ns
 
     def status(self, sample: RateSample) -> Status:

@@ -14,8 +14,12 @@
 
 """A simulated clock that is set back in mid-drive: what it takes is no time, for any node."""
 
+from diffdrive_kinematics.nodes.simulated_base import SimulatedBase
+from diffdrive_kinematics.nodes.wheel_noise import WheelNoise
 import pytest
-from support.graph import KHEPERA
+from sensor_msgs.msg import JointState
+from support.graph import JOINTS, KHEPERA, set_stamp
+from support.inside import inside, START_NS
 from support.stepped import messages
 
 pytestmark = pytest.mark.ros
@@ -23,6 +27,9 @@ pytestmark = pytest.mark.ros
 SPEED, PERIOD_S = 0.2, 0.02  # [m/s], of the clock and of all that is published
 STEPS_S = [-0.05, -0.5, -5.0, -99.0]  # less and more than timeouts; rosbag2 in a loop, a reset
 STEP_OF_X = SPEED * PERIOD_S
+RATE, PERIOD_MS, MS = 10.0, 20, 10**6  # [rad/s] of both wheels
+ORDERS = 'together', 'the clock', 'stamps'
+SAYS = 'rates', 'both', 'both, of a driver', 'a wheel at a time'
 
 
 def driving(diffdrive, **options):
@@ -52,3 +59,54 @@ def test_belief_and_truth_go_on_as_if_nothing_had_been(diffdrive, step_s, stampe
     robot.advance(1.0)
     assert robot.odom.speed == robot.truth.speed == 0.0
     assert robot.truth.x == pytest.approx(robot.odom.x, abs=1e-9)
+
+
+def rolling(held, step_ms, first, says):
+    """
+    Roll on for 1.2 s, half of it after the clock was set back; yield the time [ms] that passed.
+
+    One of the clock and the stamps of wheel motion may be set back a message before the other.
+    """
+    for number in range(60):
+        passed_ms, back = PERIOD_MS * number, step_ms * (number >= 30)
+        held.advance_to(START_NS + MS * (
+            passed_ms + (0 if first == 'stamps' and number == 30 else back)))
+        stamp_ns = START_NS + MS * (
+            passed_ms + (0 if first == 'the clock' and number == 30 else back))
+        for joints in [JOINTS[:1], JOINTS[1:]] if says == 'a wheel at a time' else [JOINTS]:
+            message = JointState(name=joints, velocity=[RATE] * len(joints))
+            message.header.frame_id = '/controller#1' if says in ('rates', 'both') else ''
+            if says != 'rates' and (number or says != 'both'):
+                message.position = [RATE * passed_ms / 1e3] * len(joints)
+            set_stamp(message, stamp_ns)
+            held.hear('/wheel_rates', message)
+        yield passed_ms
+
+
+@pytest.mark.parametrize('says', SAYS)
+@pytest.mark.parametrize('first', ORDERS)
+@pytest.mark.parametrize('step_ms', [-50, -500, -5000, -900_000])
+def test_a_base_is_two_messages_behind_at_most_whatever_is_set_back_first(step_ms, first, says):
+    """Where positions are set back before the clock it is ahead for that one message."""
+    with inside(SimulatedBase, {**KHEPERA, 'enable_odom_tf': False}) as held:
+        errors_ms = [
+            held.node.reading().pose.x / (KHEPERA['wheel_radius'] * RATE) * 1e3 - passed_ms
+            for passed_ms in rolling(held, step_ms, first, says)]
+    if first == 'stamps':
+        del errors_ms[30]
+    assert -2.001 * PERIOD_MS < min(errors_ms) and max(errors_ms) < 1e-6 * PERIOD_MS
+
+
+@pytest.mark.parametrize('says', SAYS)
+@pytest.mark.parametrize('first', ORDERS)
+@pytest.mark.parametrize('step_ms', [-50, -500, -5000, -900_000])
+def test_the_noise_hands_on_all_motion_whatever_is_set_back_first(step_ms, first, says):
+    with inside(WheelNoise, {'wheel_radius': KHEPERA['wheel_radius']}) as held:
+        *_, passed_ms = rolling(held, step_ms, first, says)
+        said = held.said['/noisy_wheel_rates']
+    assert len(said) >= 57
+    angles = [message.position[0] if message.position else 0.0 for message in said]
+    assert angles[-1] == pytest.approx(RATE * passed_ms / 1e3, abs=1.001 * RATE * PERIOD_MS / 1e3)
+    if first != 'stamps':
+        ways = [b - a for a, b in zip(angles, angles[1:])]
+        assert 0.0 <= min(ways) and max(ways) < 3.001 * RATE * PERIOD_MS / 1e3

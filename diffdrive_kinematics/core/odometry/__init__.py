@@ -23,6 +23,7 @@ drivers say: their clocks, velocities, several publishers, several wheels of a s
 from diffdrive_kinematics.core.odometry.anchor import Anchor
 from diffdrive_kinematics.core.odometry.answered_motion import AnsweredMotion
 from diffdrive_kinematics.core.odometry.base_state import BaseState
+from diffdrive_kinematics.core.odometry.clock_step import ClockStep, NO_STEP
 from diffdrive_kinematics.core.odometry.encoders import Encoder, PositionTrack, wrapped_increment
 from diffdrive_kinematics.core.odometry.history import OdometryHistory
 from diffdrive_kinematics.core.odometry.joint_assembly import Assembled, Assembly, JointReading
@@ -50,10 +51,10 @@ from diffdrive_kinematics.core.odometry.wheel_state import WheelState
 from diffdrive_kinematics.core.odometry.wheel_track import WheelTrack
 
 __all__ = [
-    'Anchor', 'AnsweredMotion', 'Assembled', 'Assembly', 'BaseState', 'Disagreement', 'Encoder',
-    'JointMessage', 'JointReading', 'MeasuredWheels', 'Mismatch', 'MotionUpdate', 'Odometry',
-    'OdometryHistory', 'OdometryState', 'PositionTrack', 'REMEMBERED_NS', 'RateWindow',
-    'SenderClock', 'SenderClocks', 'SideTrack', 'SlipStream', 'Source', 'Sources',
+    'Anchor', 'AnsweredMotion', 'Assembled', 'Assembly', 'BaseState', 'ClockStep', 'Disagreement',
+    'Encoder', 'JointMessage', 'JointReading', 'MeasuredWheels', 'Mismatch', 'MotionUpdate',
+    'NO_STEP', 'Odometry', 'OdometryHistory', 'OdometryState', 'PositionTrack', 'REMEMBERED_NS',
+    'RateWindow', 'SenderClock', 'SenderClocks', 'SideTrack', 'SlipStream', 'Source', 'Sources',
     'VelocityCheck', 'Verdict', 'WheelMotion', 'WheelPair', 'WheelSample', 'WheelState',
     'WheelTrack', 'ZERO', 'agree_within_rounding', 'anchored', 'baseline', 'is_run', 'is_silent',
     'mean_of', 'rates_at', 'rolled', 'shifted', 'step_tolerance', 'timeout_from_seconds',

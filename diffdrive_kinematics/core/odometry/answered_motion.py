@@ -23,6 +23,8 @@ from dataclasses import replace
 from typing import Callable, List, NamedTuple, Optional, Tuple
 
 from diffdrive_kinematics.core.kinematics import NANOSECONDS
+from diffdrive_kinematics.core.odometry.clock_step import ClockStep
+from diffdrive_kinematics.core.odometry.timeouts import STEP_TOLERANCE_NS
 from diffdrive_kinematics.core.odometry.wheel_sample import WheelPair, WheelSample, ZERO
 
 
@@ -94,32 +96,33 @@ class AnsweredMotion(NamedTuple):
             due = [WheelSample(now_ns, ZERO, source=sample.source)]
         return self._replace(waiting=later, last=sample), due
 
-    def clock_stepped(self, step_ns: int) -> 'AnsweredMotion':
+    def clock_stepped(self, step: ClockStep) -> 'AnsweredMotion':
         """
         Return the state as it reads after the clock of the stamps was stepped.
 
         Parameters
         ----------
-        step_ns : int
-            By how much the clock was stepped [ns].
+        step : ClockStep
+            By how much, and when.
 
         Returns
         -------
         AnsweredMotion
-            The state with its times moved: what waits is done as late as it would have been.
+            The state with its times moved, where they are of before: what waits is done as late
+            as it would have been.
 
         Examples
         --------
         >>> motion, _ = AnsweredMotion(lambda rates: rates, 300).update(WheelSample(0, (2.0, 2.0)))
-        >>> [sample.stamp_ns for sample in motion.clock_stepped(-100).waiting]
+        >>> [sample.stamp_ns for sample in motion.clock_stepped(ClockStep(-100, -90)).waiting]
         [200]
 
         """
-        if self.last is None:
+        if self.last is None or not step.is_after(self.last.stamp_ns, STEP_TOLERANCE_NS):
             return self
         return self._replace(
-            waiting=tuple(_moved(each, step_ns) for each in self.waiting),
-            last=_moved(self.last, step_ns))
+            waiting=tuple(_moved(each, step.step_ns) for each in self.waiting),
+            last=_moved(self.last, step.step_ns))
 
     def configured(self, new: 'AnsweredMotion') -> 'AnsweredMotion':
         """

@@ -28,7 +28,9 @@ from diffdrive_kinematics.core.kinematics import RunningSum
 from diffdrive_kinematics.core.noise import (
     body_variances, BodySlip, draw_unit, effective_ratio, NO_BODY_SLIP, sample_travel,
     SessionError, travel_in_session, WheelSlip)
+from diffdrive_kinematics.core.odometry.clock_step import ClockStep
 from diffdrive_kinematics.core.odometry.motion_update import update_motion
+from diffdrive_kinematics.core.odometry.timeouts import step_tolerance
 from diffdrive_kinematics.core.odometry.wheel_motion import baseline, rolled, shifted, WheelMotion
 from diffdrive_kinematics.core.odometry.wheel_sample import Verdict, WheelPair, WheelSample, ZERO
 import numpy as np
@@ -131,30 +133,33 @@ class SlipStream:
             return stream, stream._out(sample, result.motion, ratios=None), result.verdict
         return *self._perturbed(sample, result.motion, result.rolled, generator), result.verdict
 
-    def clock_stepped(self, step_ns: int) -> 'SlipStream':
+    def clock_stepped(self, step: ClockStep) -> 'SlipStream':
         """
         Return the stream as it reads after the clock of the stamps was stepped.
 
         Parameters
         ----------
-        step_ns : int
-            By how much the clock was stepped [ns].
+        step : ClockStep
+            By how much, and when.
 
         Returns
         -------
         SlipStream
-            The stream with its times moved.
+            The stream with its times moved, where they are of before.
 
         Examples
         --------
         >>> stream = SlipStream((0.1, 0.1), WheelSlip(), WheelSlip(), timeout_ns=None)
         >>> stream, _, _ = stream.apply(WheelSample(5, (1.0, 1.0)), np.random.default_rng(1))
-        >>> stream.clock_stepped(-2).last_out_ns
+        >>> stream.clock_stepped(ClockStep(-2, now_ns=4)).last_out_ns
         3
 
         """
-        return replace(self, motion=self.motion and shifted(self.motion, step_ns),
-                       last_out_ns=self.last_out_ns + step_ns)
+        if self.motion is None or not step.is_after(
+                self.last_out_ns, step_tolerance(self.timeout_ns)):
+            return self
+        return replace(self, motion=shifted(self.motion, step.step_ns),
+                       last_out_ns=self.last_out_ns + step.step_ns)
 
     def _perturbed(
             self, sample: WheelSample, motion: WheelMotion, anchor_moved: WheelPair,

@@ -70,6 +70,10 @@ class Gathering:
         self._sides: Optional[List[SideTrack]] = None
         self._turned, self._turned_ns = [0.0] * len(self._all), 0
 
+    def clock_stepped(self) -> None:
+        """Put only such messages together that came after a step of the clock."""
+        self._assembly = Assembly.of(len(self._all))
+
     def usual(self) -> bool:
         """Return whether one publisher says everything that there is to say."""
         return len(self.sources.known) == 1 and not any(

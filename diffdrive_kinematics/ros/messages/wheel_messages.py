@@ -17,7 +17,8 @@
 from typing import Any, Callable, NamedTuple, Optional, Sequence, Tuple, Union
 
 from diffdrive_kinematics.core.kinematics import NANOSECONDS
-from diffdrive_kinematics.core.odometry import Encoder, JointMessage, WheelPair, WheelSample
+from diffdrive_kinematics.core.odometry import (
+    ClockStep, Encoder, JointMessage, NO_STEP, WheelPair, WheelSample)
 from diffdrive_kinematics.ros.messages.codec import JointStateCodec
 from diffdrive_kinematics.ros.messages.messages import check_stamp
 from diffdrive_kinematics.ros.messages.plain import JointValues
@@ -67,6 +68,7 @@ class WheelReader:
         self._codec = JointStateCodec()
         self._next, self._tag = NOBODY, ''  # whose message, if one comes, is the usual one
         self._last: Tuple[Sequence[float], Sequence[float], int] = (), (), 0
+        self._step = NO_STEP
 
     def read(
             self, message: Union[JointState, bytes], now_ns: Callable[[], int],
@@ -111,6 +113,11 @@ class WheelReader:
         """Note the last of the usual messages that somebody else has read."""
         self._next, self._last = number + 1, (positions, rates, now_ns)
 
+    def clock_stepped(self, step: ClockStep) -> None:
+        """Note that the clock was stepped; messages that were sent before it may still come."""
+        self._step = step
+        self.gathering.clock_stepped()
+
     def _sample(
             self, source: str, names: Sequence[str], sec: int, nanosec: int,
             position: Sequence[float], velocity: Sequence[float],
@@ -126,7 +133,7 @@ class WheelReader:
         if self._with_positions:
             positions = self._values('position', position, indices)
         arrived_ns = now_ns()
-        stamp_ns = sec * NANOSECONDS + nanosec or arrived_ns
+        stamp_ns = self._step.read(sec * NANOSECONDS + nanosec, arrived_ns) or arrived_ns
         if number == self._next and source == self._tag:
             self._last = positions or (), rates or (), arrived_ns
             if number:

@@ -14,7 +14,7 @@
 
 """A robot that follows late and otherwise than told: by stamps alone, whenever messages come."""
 
-from diffdrive_kinematics.core.odometry import AnsweredMotion, WheelSample
+from diffdrive_kinematics.core.odometry import AnsweredMotion, ClockStep, WheelSample
 import pytest
 
 DELAY_NS, MS = 250_000_000, 1_000_000
@@ -103,7 +103,7 @@ def test_a_step_of_the_clock_that_is_known_changes_nothing_but_the_stamps(step_m
     told, done = AnsweredMotion(doubled, DELAY_NS), []
     for number in range(61):
         if number == cut:
-            told = told.clock_stepped(step_ms * MS)
+            told = told.clock_stepped(ClockStep(step_ms * MS, ((number - 1) * 50 + step_ms) * MS))
         rate = 1.0 if 10 <= number < 30 else 0.0
         passed_ms = 0 if number < cut else step_ms
         told, due = told.update(WheelSample((number * 50 + passed_ms) * MS, (rate, rate)))

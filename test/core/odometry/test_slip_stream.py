@@ -20,7 +20,8 @@ import math
 
 from diffdrive_kinematics.core.kinematics import Pose, WheelGeometry
 from diffdrive_kinematics.core.noise import body_variances, BodySlip, WheelSlip
-from diffdrive_kinematics.core.odometry import Odometry, SlipStream, Verdict, WheelSample
+from diffdrive_kinematics.core.odometry import (
+    ClockStep, Odometry, SlipStream, Verdict, WheelSample)
 from hypothesis import given, settings, strategies as st
 import numpy as np
 import pytest
@@ -305,7 +306,7 @@ def test_a_step_of_the_clock_that_is_known_changes_nothing_but_the_stamps(
     for sample in before:
         stream, noisy, _ = stream.apply(sample, generator)
         out.append(noisy)
-    stream = stream.clock_stepped(step_ns)
+    stream = stream.clock_stepped(ClockStep(step_ns, stream.last_out_ns + step_ns))
     for sample in samples[cut:]:
         stream, noisy, _ = stream.apply(
             replace(sample, stamp_ns=sample.stamp_ns + step_ns), generator)
