@@ -24,7 +24,6 @@ from rclpy.exceptions import InvalidTopicNameException
 from rclpy.validate_topic_name import validate_topic_name
 
 Check = Callable[[str, Any], Any]
-MOST_OFFSET = 1e9  # [s]
 MOST_INTEGER = 2**63 - 1
 
 
@@ -96,6 +95,7 @@ check_range = _or_off(Within(1e-6, 1e12, '0, or a range from 1e-6 to 1e12 rad'))
 check_step = _or_off(Within(1e-6, 1.0, '0, or a step from 1e-6 to 1 s'))
 check_positive_or_nan = _or_nan(check_positive)
 check_non_negative_or_nan = _or_nan(check_non_negative)
+check_offset = _or_nan(Within(-1e9, 1e9, 'seconds within +-1e+09, or NaN'))
 check_picture = _file('a .png or .svg file', '.png', '.svg')
 check_optional_picture = _or_off(check_picture)
 check_recording = _or_off(_file('an .mcap file or a .csv file', '.csv', '.mcap'))
@@ -105,11 +105,6 @@ check_description = _or_off(_file('a .urdf or .yaml file', '.urdf', '.yaml'))
 def check_joint_names(name: str, value: Tuple[str, ...]) -> None:
     if not value or not all(value) or len(set(value)) != len(value):
         raise ValueError(f'{name} is {list(value)!r}, expected one or more different joint names')
-
-
-def check_offset(name: str, value: float) -> None:
-    if not (math.isnan(value) or abs(value) <= MOST_OFFSET):
-        raise ValueError(f'{name} is {value!r}, expected seconds within +-{MOST_OFFSET:g}, or NaN')
 
 
 def check_horizon(name: str, value: float) -> None:
