@@ -80,10 +80,8 @@ class WheelGeometry:
     right_wheel_radius_multiplier: float = 1.0
 
     def __post_init__(self) -> None:
-        for name in (
-                'wheel_separation', 'wheel_radius', 'wheel_separation_multiplier',
-                'left_wheel_radius_multiplier', 'right_wheel_radius_multiplier'):
-            check_positive(name, getattr(self, name))
+        for name, value in vars(self).items():
+            check_positive(name, value)
         check_length('wheel_separation * wheel_separation_multiplier', self.separation)
         check_length('wheel_radius * left_wheel_radius_multiplier', self.left_radius)
         check_length('wheel_radius * right_wheel_radius_multiplier', self.right_radius)

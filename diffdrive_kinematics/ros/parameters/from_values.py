@@ -14,6 +14,7 @@
 
 """What the values of a node's parameters amount to, as the core has it."""
 
+from dataclasses import fields
 from typing import Any, List, Mapping, Sequence, Tuple
 
 from diffdrive_kinematics.core.kinematics import Command, WheelGeometry
@@ -24,10 +25,7 @@ Values = Mapping[str, Any]
 
 def wheel_geometry(values: Values) -> WheelGeometry:
     """Return the wheel geometry of a node's values; ``ValueError`` if it is impossible."""
-    return WheelGeometry(**{
-        name: values[name] for name in (
-            'wheel_separation', 'wheel_radius', 'wheel_separation_multiplier',
-            'left_wheel_radius_multiplier', 'right_wheel_radius_multiplier')})
+    return WheelGeometry(**{field.name: values[field.name] for field in fields(WheelGeometry)})
 
 
 def wheel_radii(values: Values) -> Tuple[float, float]:
