@@ -65,9 +65,8 @@ def check_command(command: Any) -> List[str]:
 
 def check_type(name: str, kind: Any, known: Sequence[str], where: str) -> None:
     """Raise ``ValueError`` for no type of ROS, or another one than a topic or service has."""
-    words = getattr(kind, '__module__', '').split('.')
-    if len(words) < 2 or words[1] not in ('msg', 'srv') or (
-            not isinstance(kind, type) or issubclass(kind, type)):
+    words = kind.__module__.split('.') if isinstance(kind, type) else []
+    if len(words) < 2 or words[1] not in ('msg', 'srv') or issubclass(kind, type):
         refuse(name, kind, 'a type of ROS messages or services')
     if known and f'{words[0]}/{words[1]}/{kind.__name__}' not in known:
         refuse(name, kind, f"{' or '.join(known)}, which {where!r} has")
