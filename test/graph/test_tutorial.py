@@ -29,7 +29,7 @@ ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / 'docs' / 'tutorial' / 'without_ros_tools.md').read_text(encoding='utf-8')
 ADDED = {  # to the commands with these files
     'config/web.yaml': ['-p', 'web_view:port:=0'],  # a free one: another test may have the usual
-    'config/recording.yaml': ['-p', 'clock_step:=0.02']}  # not in the time that it took
+    'config/recording.yaml': ['-p', 'real_time_factor:=0.0']}  # not in the time that it took
 
 
 def blocks(language):

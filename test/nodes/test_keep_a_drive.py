@@ -18,6 +18,8 @@ import csv
 import importlib.util
 import math
 import re
+import signal
+import time
 
 from diffdrive_kinematics.core.kinematics import (
     advance, Pose, twist_from_wheel_rates, WheelGeometry, wrap_angle)
@@ -92,7 +94,7 @@ def test_a_kept_drive_calibrates_to_the_bias_of_its_robot_and_plays_again(here, 
         assert abs(value - 1.0 - bias) < 3.0 * error
     again = here('diffdrive_sim', [
         '--ros-args', '--params-file', str(CONFIG / 'recording.yaml'), '-p',
-        'wheel_radius:=0.021', '-p', 'wheel_separation:=0.0885', '-p', 'clock_step:=0.01',
+        'wheel_radius:=0.021', '-p', 'wheel_separation:=0.0885', '-p', 'real_time_factor:=0.0',
         '-p', f'recording:={run}'])
     assert again.wait() == 0, again.output
     belief = re.search(r'^belief \(\S+\) +(\S+) +(\S+) +(\S+)$', again.output, re.M).groups()
@@ -101,15 +103,41 @@ def test_a_kept_drive_calibrates_to_the_bias_of_its_robot_and_plays_again(here, 
 
 def test_the_recording_that_is_installed_is_played_to_its_end_as_its_file_stands(here):
     sim = here('diffdrive_sim', [
-        '--ros-args', '--params-file', str(CONFIG / 'recording.yaml'), '-p', 'clock_step:=0.05'])
+        '--ros-args', '--params-file', str(CONFIG / 'recording.yaml'), '-p', 'clock_step:=0.05',
+        '-p', 'real_time_factor:=0.0'])
     assert sim.wait() == 0, sim.output
     kept = columns_of(CONFIG / 'recording.csv')
     pose = Pose(0.0, 0.0, 0.0)
-    for time, v, w in zip(np.diff(kept['time_sec']), kept['linear_x'], kept['angular_z']):
-        pose = advance(pose, v * time, w * time)
+    for held, v, w in zip(np.diff(kept['time_sec']), kept['linear_x'], kept['angular_z']):
+        pose = advance(pose, v * held, w * held)
     belief = re.search(r'^belief \(\S+\) +(\S+) +(\S+) +(\S+)$', sim.output, re.M).groups()
     assert [float(each) for each in belief[:2]] == pytest.approx(pose[:2], abs=1e-4)
     assert float(belief[2]) == pytest.approx(math.degrees(wrap_angle(pose.theta)), abs=6e-3)
+
+
+def test_a_recording_is_played_exactly_although_the_process_stands_still(graph, tmp_path):
+    """What was due meanwhile comes at once, and is more than a queue holds."""
+    speeds = [(0.2 + 0.1 * math.sin(0.1 * each), math.cos(0.05 * each)) for each in range(100)]
+    rows = [f'{0.02 * row:.2f},{v!r},{w!r}\n' for row, (v, w) in enumerate([*speeds, (0.0, 0.0)])]
+    drive = tmp_path / 'drive.csv'
+    drive.write_text(''.join(['time_sec,linear_x,angular_z\n', *rows]))
+    pose = Pose(0.0, 0.0, 0.0)
+    for v, w in speeds:
+        pose = advance(pose, v * 0.02, w * 0.02)
+    sim = graph.start('diffdrive_sim', args=[
+        '--ros-args', '--params-file', str(CONFIG / 'recording.yaml'), '-p',
+        f'recording:={drive}'])
+    graph.wait_for(lambda: ': playing 2.0' in sim.output, 'the course')
+    sim.send(signal.SIGSTOP)
+    over = time.monotonic() + 1.5
+    graph.wait_for(lambda: time.monotonic() > over, 'the stall')
+    sim.send(signal.SIGCONT)
+    assert sim.wait() == 0, sim.output
+    found = re.findall(r'^(?:belief|truth) \(\S+\) +(\S+) +(\S+) +(\S+)$', sim.output, re.M)
+    assert len(found) == 2, sim.output
+    for x, y, yaw in (map(float, each) for each in found):
+        assert (x, y) == pytest.approx(pose[:2], abs=1e-4), sim.output
+        assert yaw == pytest.approx(math.degrees(wrap_angle(pose.theta)), abs=6e-3)
 
 
 def test_a_recording_in_another_package_is_refused(graph):
