@@ -48,6 +48,7 @@ from std_srvs.srv import Trigger
 
 PROGRESS_RATE, FAREWELL_S = 0.5, HEARTBEAT_S + 1.0  # DDS can take that long for the answer
 INTERRUPTED = 'interrupted: nothing is written'
+MOST_SEPARATIONS = 200.0  # of a square's side; UMBmark is for 12, millimetres make it thousands
 
 
 class Config(NamedTuple):
@@ -65,8 +66,11 @@ def build(values: Mapping[str, Any]) -> Config:
         raise ValueError(
             f'square_runs is {squares!r} and recordings is {list(recordings)!r}, expected one of '
             'them, or none for live topics')
-    if squares and not values['square_side']:
-        raise ValueError('square_side is 0.0, expected the side [m] of the square of square_runs')
+    side, separation = values['square_side'], values['wheel_separation']
+    if squares and not 0.0 < side <= MOST_SEPARATIONS * separation:
+        raise ValueError(
+            f'square_side is {side!r}, expected the side [m] of the square of square_runs, at '
+            f'most {MOST_SEPARATIONS:g} times wheel_separation, which is {separation!r}')
     for name in ('output', 'picture'):
         if values[name]:
             check_writable(values[name], name=name, overwrite=values['overwrite'],

@@ -153,6 +153,14 @@ def test_runs_that_allow_no_calibration_are_one_line_and_status_2(refused, tmp_p
     refused(words, f'square_runs:={runs}', 'square_side:=1.0')
 
 
+@pytest.mark.ros
+def test_runs_and_a_side_in_millimetres_are_refused(refused, tmp_path):
+    runs = tmp_path / 'runs.csv'
+    runs.write_text(HEADER + '1,-31,-30,1,0\n1,-26,-34,0,1\n0,-12,12,0,0\n0,-10,17,1,0\n')
+    refused('square_side is 1000.0, expected the side [m]', f'square_runs:={runs}',
+            'square_side:=1000.0')
+
+
 @pytest.fixture
 def refused(capfd, monkeypatch, tmp_path):
     """Return what sees ``calibrate`` refuse settings in one line, and write nothing."""
