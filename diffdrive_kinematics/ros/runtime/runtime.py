@@ -31,6 +31,7 @@ from diffdrive_kinematics.ros.runtime.rejections import Rejections
 from rclpy.client import Client
 from rclpy.clock import Clock
 from rclpy.clock_type import ClockType
+from rclpy.event_handler import SubscriptionEventCallbacks
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rclpy.qos import QoSProfile
@@ -136,7 +137,8 @@ class Runtime:
         Hear reliable publishers, best-effort ones, and what was latched before the node began.
 
         DDS joins no reader and writer where the reader asks for more than the writer offers, so
-        there is a subscription for each: the callback may get a message several times.
+        there is a subscription for each: the callback may get a message several times.  That one
+        of them is not joined is nothing to report.
         """
         self.listen(message_type, topic, callback)
         for profile in (latched(), best_effort_profile()):
@@ -153,7 +155,8 @@ class Runtime:
         """
         subscription = self._node.create_subscription(
             message_type, topic, self._rejections.guarded(topic, callback),
-            profile or reliable(QUEUE_DEPTH))
+            profile or reliable(QUEUE_DEPTH),
+            event_callbacks=SubscriptionEventCallbacks(use_default_callbacks=not profile))
         self._beside.add(subscription)
         return subscription
 
