@@ -29,7 +29,7 @@ from diffdrive_kinematics.ros.publishers.wheel_commands import WheelCommandPubli
 from diffdrive_kinematics.ros.runtime.diagnostics import OK, RateSample, Status
 from diffdrive_kinematics.ros.runtime.node import DiffDriveNode
 from diffdrive_kinematics.ros.runtime.one_shot_timer import OneShotTimer
-from diffdrive_kinematics.ros.runtime.rclpy_private import MessageInfo
+from diffdrive_kinematics.ros.runtime.rclpy_private import MessageInfo, UNKNOWN
 from diffdrive_kinematics.ros.runtime.running import main_of
 from rclpy.publisher import Publisher
 
@@ -83,7 +83,7 @@ class DiffDriveController(DiffDriveNode[Config]):
                 'use_response is true: odometry needs the output of a wheel_noise with the same '
                 'response_* and no slip')
 
-    def _on_command(self, message: bytes, info: MessageInfo = MessageInfo()) -> None:
+    def _on_command(self, message: bytes, info: MessageInfo = UNKNOWN) -> None:
         now_ns = self._synchronised_now()
         self.health.statistics.note(now_ns, now_ns)
         if self._stop.holds():

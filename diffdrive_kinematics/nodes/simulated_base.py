@@ -105,8 +105,7 @@ class SimulatedBase(DiffDriveNode[Config]):
         runtime.serve(Trigger, '~/reset', self._on_reset)
         self._lean = LeanBase(
             odometry, self._reader, self._wheel_motion, self.health, self._out, self._wheels,
-            self._joints, self._publish_beside if self._transform or self._path else None,
-            now=self._synchronised_now, tick=self._tick)
+            self._joints, self._publish_beside, now=self._synchronised_now, tick=self._tick)
         self._on_timer = self._lean.tick if (
             values['lean_path'] and self._wheel_motion.waits and not transform) else self._tick
         self._timer = runtime.every(values['publish_rate'], self._on_timer)

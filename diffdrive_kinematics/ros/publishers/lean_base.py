@@ -58,8 +58,8 @@ class LeanBase:
         How wheel motion is read, where it waits, and what counts it.
     out, wheels, joints :
         What publishes odometry, and writes and publishes joint states; None: nothing does.
-    beside : callable, optional
-        Publishes the pose of a tick, and its time [ns], in other forms; None: there are none.
+    beside : callable
+        Publishes the pose of a tick, and its time [ns], in other forms.
     now, tick : callable
         The time [ns], up to which the odometry has followed all steps of the clock; and the tick
         of the plain path.
@@ -69,7 +69,7 @@ class LeanBase:
     def __init__(
             self, odometry: Odometry, reader: WheelReader, poll: Poll, health: Health,
             out: OdometryPublisher, wheels: WheelWriter, joints: Optional[Publisher],
-            beside: Optional[Callable[[int, Pose], None]], *, now: Callable[[], int],
+            beside: Callable[[int, Pose], None], *, now: Callable[[], int],
             tick: Callable[[], None]) -> None:
         self._odometry, self._live, self._fresh = odometry, False, False
         self._reader, self._poll, self._health = reader, poll, health
@@ -233,5 +233,4 @@ class LeanBase:
             self._joints.publish(self._encode_joints(
                 now_ns, gear * self._left.value_with(left_angle),
                 gear * self._right.value_with(right_angle), gear * left_rate, gear * right_rate))
-        if self._beside:
-            self._beside(now_ns, Pose(*pose))
+        self._beside(now_ns, Pose(*pose))

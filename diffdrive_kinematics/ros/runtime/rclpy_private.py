@@ -28,7 +28,6 @@ from rclpy.clock import Clock
 from rclpy.executors import Executor
 from rclpy.node import Node
 from rclpy.parameter import Parameter
-from rclpy.publisher import Publisher
 from rclpy.subscription import Subscription
 try:
     from rclpy.impl.implementation_singleton import rclpy_implementation
@@ -130,6 +129,7 @@ class MessageInfo(NamedTuple):
     received_ns: int = 0
 
 
+UNKNOWN = MessageInfo()
 NUMBER, SENT, RECEIVED = (  # what is known of a message that is taken
     'publication_sequence_number', 'source_timestamp', 'received_timestamp')
 Taken = Tuple[bytes, Mapping[str, Any]]
@@ -167,18 +167,6 @@ def hand_on(taken: Taken, callback: Callable[[bytes, MessageInfo], None]) -> Non
     message, info = taken
     get = info.get
     callback(message, MessageInfo(get(NUMBER) or 0, get(SENT) or 0, get(RECEIVED) or 0))
-
-
-def quick(publisher: Publisher) -> Publisher:
-    """
-    Return the publisher, which sends serialised messages without rclpy's checks where it can.
-
-    They are of the type, and against other threads that destroy it meanwhile.
-    """
-    publish = publisher.publish
-    send = getattr(publisher.handle, 'publish_raw', publish)
-    publisher.publish = lambda message: (send if type(message) is bytes else publish)(message)
-    return publisher
 
 
 def leave_graph(node: Node) -> None:

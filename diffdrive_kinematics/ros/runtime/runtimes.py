@@ -22,7 +22,7 @@ from diffdrive_kinematics.ros.runtime.endpoints import Endpoints
 from diffdrive_kinematics.ros.runtime.in_flight_messages import InFlightMessages
 from diffdrive_kinematics.ros.runtime.polling import Poll, QUEUE_DEPTH, QueuePoll
 from diffdrive_kinematics.ros.runtime.rclpy_private import (
-    HAS_LEAN_PATH, informing, MessageInfo, quick)
+    HAS_LEAN_PATH, informing, MessageInfo)
 from diffdrive_kinematics.ros.runtime.rejections import Rejections
 from diffdrive_kinematics.ros.runtime.runtime import Runtime
 from rclpy.publisher import Publisher
@@ -107,10 +107,6 @@ class LeanRuntime(Runtime):
             return self._timers.create_timer(period_ns(rate), callback)
         return super().every(rate, callback)
 
-    def publish(self, *arguments: Any) -> Publisher:
-        """Return a publisher for the thread of the loop."""
-        return quick(super().publish(*arguments))
-
     def poll(
             self, message_type: type, topic: str,
             callback: Callable[[bytes, MessageInfo], None]) -> Poll:
@@ -123,10 +119,14 @@ class LeanRuntime(Runtime):
         if not (self._on_real_time and self._endpoints.keeps_depth(topic)
                 and get_rmw_implementation_identifier() in NOTES_ARRIVAL):
             return super().poll(message_type, topic, callback)
-        subscription = self._endpoints.subscription(  # no executor calls back
-            message_type, topic, len, reliable(QUEUE_DEPTH), raw=True)
+        subscription = self._endpoints.subscription(
+            message_type, topic, _nobody, reliable(QUEUE_DEPTH), raw=True)
         self._node.polled.add(subscription)
         return QueuePoll(self, self._rejections.guarded(topic, callback), subscription)
+
+
+def _nobody(_: bytes) -> None:
+    """Be the callback of a subscription that no executor calls back."""
 
 
 def runtime_of(

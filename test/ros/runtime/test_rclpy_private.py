@@ -15,7 +15,6 @@
 """Where rclpy lacks something private, what is public takes its place."""
 
 import time
-from types import SimpleNamespace
 
 from diffdrive_kinematics.nodes.simulated_base import SimulatedBase
 from diffdrive_kinematics.ros.runtime import rclpy_private, runtimes
@@ -25,7 +24,6 @@ from diffdrive_kinematics.ros.runtime.runtime import Runtime
 import pytest
 from rclpy.clock import Clock
 from rclpy.executors import SingleThreadedExecutor
-from rclpy.serialization import deserialize_message, serialize_message
 from sensor_msgs.msg import JointState
 from support.graph import KHEPERA
 from support.inside import initialised
@@ -83,37 +81,3 @@ def test_both_ways_to_read_a_clock_read_the_same(monkeypatch):
 
 def test_where_messages_cannot_be_taken_there_are_none(bare):
     assert rclpy_private.taker_of(None)() is None
-
-
-@pytest.mark.parametrize('has', [True, False])
-def test_a_quick_publisher_sends_what_a_plain_one_sends(has):
-    sent = []
-    plain = SimpleNamespace(handle=SimpleNamespace(), publish=lambda message: sent.append(message))
-    if has:
-        plain.handle.publish_raw = lambda data: sent.append(('raw', data))
-    publish = rclpy_private.quick(plain).publish
-    message = JointState()
-    publish(b'data')
-    publish(message)
-    assert sent == [('raw', b'data') if has else b'data', message]
-
-
-def test_a_publisher_of_the_lean_loop_is_quick_and_is_heard():
-    """Serialised messages and message objects arrive; anything else is refused as by rclpy."""
-    with initialised({**KHEPERA, 'enable_odom_tf': False}):
-        node = SimulatedBase(timers=SteadyTimers())
-        try:
-            publisher = node._joints
-            assert publisher.publish.__module__ == rclpy_private.__name__
-            heard = node.create_subscription(JointState, 'joint_states', len, 10, raw=True)
-            take, deadline = rclpy_private.taker_of(heard), time.monotonic() + DEADLINE_S
-            for rate, form in ((1.0, serialize_message), (2.0, lambda message: message)):
-                message, taken = JointState(name=['left'], velocity=[rate]), None
-                while not taken or deserialize_message(taken[0], JointState) != message:
-                    assert time.monotonic() < deadline
-                    publisher.publish(form(message))
-                    taken = take()
-            with pytest.raises(TypeError, match='JointState'):
-                publisher.publish('text')
-        finally:
-            node.destroy_node()
