@@ -18,7 +18,9 @@ Whether processes have handled all that has reached them: then all of their thre
 Linux tells of every thread whether it runs, waits for a processor, or sleeps, and for how long a
 process has run.  A message for a thread that sleeps makes it one that runs before its sender goes
 on.  If a process does not run while it is found that all of its threads sleep, they slept all
-along: a thread that is to run does not fall asleep before it has run.
+along: a thread that is to run does not fall asleep before it has run.  But a thread that falls
+asleep is told to sleep some microseconds before its time counts, and may have woken another one
+that was looked at before: so all are looked at twice.
 """
 
 import os
@@ -195,7 +197,7 @@ class Rest:
         for each in outdated:  # there may be more threads
             each.find()
             each.newest = newest
-        if outdated:
+        if outdated or not all(each.asleep() for each in groups):
             return False
         return [each.cpu_time() for each in groups] == before
 

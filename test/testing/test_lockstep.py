@@ -22,9 +22,10 @@ import signal
 import subprocess
 import sys
 from types import SimpleNamespace
+from unittest.mock import ANY
 
 from diffdrive_kinematics.testing import stepping
-from diffdrive_kinematics.testing.at_rest import can_tell, Threads
+from diffdrive_kinematics.testing.at_rest import can_tell, Rest, Threads
 from diffdrive_kinematics.testing.processes import ProcessFailed, sleepless
 import pytest
 from support.closed_loop import BUSY, driven, other_work
@@ -110,6 +111,28 @@ def test_a_process_that_is_stopped_is_not_at_rest_as_messages_may_lie_before_it(
         stopped.kill()
         stopped.communicate()
         threads.close()
+
+
+class Looks:
+    """Stands in for threads that do not run: whether they sleep, look by look."""
+
+    newest = ANY
+
+    def __init__(self, *looks):
+        self.asleep = iter(looks).__next__
+
+    def cpu_time(self):
+        return (1,)
+
+
+def test_a_thread_that_is_woken_by_one_that_falls_asleep_is_found_by_the_second_look():
+    rest = Rest(object())
+    try:
+        assert not rest.asleep([Looks(True, False)])
+        assert not rest.asleep([Looks(True, True), Looks(True, False)])
+        assert rest.asleep([Looks(True, True), Looks(True, True)])
+    finally:
+        rest.close()
 
 
 def test_who_only_has_to_do_at_times_is_not_named_beside_one_that_never_sleeps():
