@@ -14,27 +14,21 @@
 
 """Processes that are killed, and the shared memory that they leave behind."""
 
-from contextlib import suppress
-import fcntl
-import os
-
-from diffdrive_kinematics.testing.guardian import shared_memory_of
+from diffdrive_kinematics.testing.guardian import delete_shared_memory, shared_memory_of
 
 
 def kill(popen):
     """
-    Kill a process, and delete its segments of Fast DDS in shared memory, which stay behind.
+    Kill a process, and delete its segment of Fast DDS in shared memory, which stays behind.
 
-    A process has mapped segments of others, too: of each the owner holds a lock.  Ports stay, as
-    their numbers are given out again: there are no more of them than processes at a time.
+    Ports stay, as their numbers are given out again while others still have them open: there are
+    no more of them than processes at a time.
     """
     if popen.poll() is not None:
         return
     found = shared_memory_of(popen.pid)
     popen.kill()
     popen.wait()
-    for file in (each for each in found if '_port' not in each and not each.endswith('_el')):
-        with suppress(OSError), open(f'{file}_el', 'rb') as lock:
-            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            os.unlink(file)
-            os.unlink(f'{file}_el')
+    for name in found:
+        if '_port' not in name:
+            delete_shared_memory(name)
