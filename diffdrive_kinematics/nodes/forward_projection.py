@@ -187,7 +187,8 @@ class ForwardProjection(DiffDriveNode[Config]):
     def _synchronised_now(self) -> int:
         now_ns, step_ns = self.time.now_and_step()
         if step_ns:
-            self._reader.clock_stepped(core.ClockStep(step_ns, now_ns))
+            if self.time.is_shared:
+                self._reader.clock_stepped(core.ClockStep(step_ns, now_ns))
             self._wheels = self._wheels.clock_stepped(step_ns)
             for clock in self._clocks.values():
                 clock.clock_stepped(step_ns)

@@ -223,7 +223,8 @@ class SimulatedBase(DiffDriveNode[Config]):
     def _synchronised_now(self) -> int:
         now_ns, step_ns = self.time.now_and_step()
         if step_ns:
-            self._reader.clock_stepped(core.ClockStep(step_ns, now_ns))
+            if self.time.is_shared:
+                self._reader.clock_stepped(core.ClockStep(step_ns, now_ns))
             self._begin_anew(self._odometry.clock_stepped(step_ns))
         return now_ns
 

@@ -126,9 +126,9 @@ class WheelNoise(DiffDriveNode[Config]):
                 noisy.stamp_ns, noisy.rates, noisy.positions))
 
     def _synchronised_now(self) -> int:
-        """Return the time, with what is known moved along where the clock itself was stepped."""
+        """Return the time, with what is known moved along where simulated time was set back."""
         now_ns, step_ns = self.time.now_and_step()
-        if step_ns:
+        if step_ns and self.time.is_shared:
             step = ClockStep(step_ns, now_ns)
             self._reader.clock_stepped(step)
             self._stream = self._stream.clock_stepped(step)

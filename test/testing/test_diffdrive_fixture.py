@@ -241,6 +241,7 @@ def test_what_a_process_says_is_kept_also_where_the_test_or_the_robot_says_somet
     robot = diffdrive(params=ROBOT)
     robot.drive(0.3, 0.0, 0.1)  # from here on the test publishes cmd_vel, too
     robot.start_process([sys.executable, files / 'in_lockstep.py'], lockstep=True)
+    robot.advance(0.2, wait_for='cmd_vel')  # it may say something as it starts
     begun = len(robot.history('cmd_vel'))
     for _ in range(5):
         robot.publish('cmd_vel', twist(0.3, 0.0))

@@ -21,6 +21,8 @@ those of after it before it is heard.
 
 from typing import NamedTuple
 
+IN_FLIGHT_NS = 1_000_000_000  # for which a message of before a step may still come
+
 
 class ClockStep(NamedTuple):
     """
@@ -40,8 +42,8 @@ class ClockStep(NamedTuple):
     >>> step = ClockStep(step_ns=-5000, now_ns=4000)
     >>> [step.read(stamp, now_ns=4010) for stamp in (8990, 4005, 40000)]
     [3990, 4005, 40000]
-    >>> [step.is_after(stamp, tolerance_ns=1000) for stamp in (8980, 3980)]
-    [True, False]
+    >>> [step.is_after(stamp, tolerance_ns=1000) for stamp in (8980, 3980, 40000)]
+    [True, False, False]
 
     """
 
@@ -62,8 +64,8 @@ class ClockStep(NamedTuple):
         Returns
         -------
         int
-            The stamp, moved where it is nearer to the time before the step than to the time now,
-            by less than half of the step.
+            The stamp, moved in the first second after the step where it is nearer to the time
+            before it than to the time now, by less than half of the step.
 
         Examples
         --------
@@ -72,7 +74,8 @@ class ClockStep(NamedTuple):
         """
         before_ns = self.now_ns - self.step_ns
         apart_ns = abs(stamp_ns - before_ns)
-        if now_ns < before_ns and apart_ns < stamp_ns - now_ns and 2 * apart_ns < -self.step_ns:
+        if now_ns < min(before_ns, self.now_ns + IN_FLIGHT_NS) and (
+                apart_ns < stamp_ns - now_ns and 2 * apart_ns < -self.step_ns):
             return max(0, stamp_ns + self.step_ns)
         return stamp_ns
 
@@ -80,7 +83,8 @@ class ClockStep(NamedTuple):
         """
         Return whether the step came after the last message, by the stamp of that.
 
-        Otherwise that message was of after it: what is placed by such stamps stays.
+        Otherwise that message was of after it, or of another clock: what is placed by such stamps
+        stays.
 
         Parameters
         ----------
@@ -99,7 +103,8 @@ class ClockStep(NamedTuple):
         See :class:`ClockStep`.
 
         """
-        return stamp_ns > self.now_ns or self.now_ns - stamp_ns - self.step_ns <= tolerance_ns
+        ago_ns = self.now_ns - self.step_ns - stamp_ns
+        return ago_ns >= -tolerance_ns and (stamp_ns > self.now_ns or ago_ns <= tolerance_ns)
 
 
 NO_STEP = ClockStep(0, 0)

@@ -60,6 +60,11 @@ class NodeTime:
         """Return whether another process tells the time."""
         return self._watch is not None
 
+    @property
+    def is_shared(self) -> bool:
+        """Return whether all nodes have this time, as it is simulated: each has its own else."""
+        return self._runtime.is_stepped or self._runtime.clock.ros_time_is_active
+
     def waits_for_clock(self) -> bool:
         """Return whether simulated time has not begun: nothing may move."""
         return self._watch is not None and not self._runtime.now_ns()

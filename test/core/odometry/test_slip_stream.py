@@ -315,6 +315,15 @@ def test_a_step_of_the_clock_that_is_known_changes_nothing_but_the_stamps(
         NOISY, samples, seed)[1]
 
 
+@pytest.mark.parametrize('step_ns', [-3600 * S, -5 * S, -S // 2, S // 2, 5 * S])
+@pytest.mark.parametrize('apart_ns', [100 * S, 10**17])
+def test_a_step_of_the_own_clock_changes_nothing_where_the_stamps_are_of_another(
+        step_ns, apart_ns):
+    stream, _ = passed(NOISY, [WheelSample(10**18, A), WheelSample(10**18 + 20 * MS, A)], seed=1)
+    own_ns = stream.last_out_ns - apart_ns + step_ns
+    assert stream.clock_stepped(ClockStep(step_ns, own_ns)) == stream
+
+
 @LAW
 @given(schedules, st.integers(1, 11), st.integers(0, 2**32))
 def test_a_restart_of_the_noise_causes_no_jump_downstream(samples, cut, seed):
