@@ -15,6 +15,7 @@
 """Simulated time that has not begun, or stands: nothing moves without a live command."""
 
 from importlib.util import find_spec
+from itertools import cycle
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from geometry_msgs.msg import Twist
@@ -185,7 +186,9 @@ def test_a_ramp_on_simulated_time_steps_at_its_own_rate(graph, executor):
         **SIMULATED, **RAMPS, 'executor': executor, 'cmd_vel_timeout': 0.0, 'publish_rate': 0.01})
     rates = graph.collect(JointState, 'wheel_rates')
     commands = graph.publisher(Twist, 'cmd_vel')
-    time = SimulatedTime(graph)
+    time, speeds = SimulatedTime(graph), cycle((0.01, 0.02))
+    time.wait_for(  # nothing repeats the rates for a reader that comes late
+        lambda: commands.publish(twist(next(speeds), 0.0)) or rates, 'to hear it')
     for v in (SPEED, -SPEED, 0.0):
         before = len(rates)
         time.wait_for(lambda: commands.publish(twist(v, 0.0)) or rates[before:], 'an answer')

@@ -13,6 +13,8 @@
 # limitations under the License.
 """Quality of service that the YAML overrides: for every topic, in every node, or refused."""
 
+from itertools import cycle
+
 from diffdrive_kinematics.nodes.diff_drive_controller import DiffDriveController
 from diffdrive_kinematics.nodes.diffdrive_sim import DiffDriveSim
 from diffdrive_kinematics.ros.parameters.configuration_error import ConfigurationError
@@ -168,8 +170,9 @@ def test_the_last_word_is_repeated_for_who_does_not_acknowledge(graph):
         JointState, 'wheel_rates', rates.append,
         QoSProfile(depth=100, reliability=ReliabilityPolicy.BEST_EFFORT))
     commands = graph.publisher(Twist, 'cmd_vel')
-    graph.wait_for(  # again, as nothing repeats the rates
-        lambda: commands.publish(twist(0.1, 0.0)) or rates and any(rates[-1].velocity),
+    speeds = cycle((0.1, 0.2))
+    graph.wait_for(  # at another speed each time, as nothing repeats the rates
+        lambda: commands.publish(twist(next(speeds), 0.0)) or rates and any(rates[-1].velocity),
         'the robot to drive')
     assert controller.stop() == 0
     graph.wait_for(

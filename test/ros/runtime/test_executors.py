@@ -15,6 +15,7 @@
 """Executors: that of the package by parameter, those of other people, and a loop that sleeps."""
 
 from contextlib import contextmanager
+from itertools import cycle
 import time
 
 from diffdrive_kinematics.nodes.simulated_base import SimulatedBase
@@ -134,6 +135,11 @@ def test_a_ramp_steps_at_its_own_rate_on_every_executor(graph, executor):
             [stamp - ramp[0][0] for stamp, _ in ramp] == [10_000_000 * k for k in range(10)]
             for ramp in (steps[:10], steps[10:]))
 
+    speeds = cycle((0.01, 0.02))
+    graph.wait_for(  # nothing repeats the rates for a reader that comes late
+        lambda: commands.publish(twist(next(speeds), 0.0)) or told, 'to hear it')
+    graph.wait_for(
+        lambda: commands.publish(twist(0.0, 0.0)) or abs(told[-1][1]) < 1e-9, 'the robot to stand')
     assert any(exact() for _ in range(TRIES))
 
 
