@@ -18,6 +18,7 @@ from collections.abc import Sequence
 import math
 from numbers import Real
 from os import PathLike
+import sys
 from typing import Any, List, NoReturn
 
 __all__ = [
@@ -31,11 +32,11 @@ def refuse(name: str, value: Any, expected: str) -> NoReturn:
 
 def check_number(
         name: str, value: Any, expected: str = 'a number', *, least: float = -math.inf,
-        finite: bool = True) -> float:
-    """Return a number that is not below ``least``, or raise ``ValueError``."""
+        most: float = sys.float_info.max, finite: bool = True) -> float:
+    """Return a number from ``least`` to ``most``, or raise ``ValueError``."""
     if not isinstance(value, Real) or isinstance(value, bool):
         refuse(name, value, expected)
-    if finite and not least <= value < math.inf:
+    if finite and not least <= value <= most:
         refuse(name, value, expected)
     return float(value)
 

@@ -76,9 +76,8 @@ def composition(
             values.update({key: section[key] for key in values if section.get(key)})
     if clock_step is not None:
         values['clock_step'] = clock_step
-    step = check_number('clock_step', values['clock_step'], 'from 1e-9 to 1e9 s', least=1e-9)
-    if step > 1e9:
-        refuse('clock_step', step, 'from 1e-9 to 1e9 s')
+    step = check_number(
+        'clock_step', values['clock_step'], 'from 1e-9 to 1e9 s', least=1e-9, most=1e9)
     sections.setdefault('/**', {}).update(params)
     for member in (members := members_of(values['nodes'], CLASSES)):
         if member.kind == 'wheel_noise' and noise:

@@ -97,7 +97,7 @@ class Topics:
 
     def drop(self, topic: str, share: float, *, seed: int = 0) -> None:
         """Lose a share of the messages of a topic from now on, the same ones in every run."""
-        share = check_number('share', share, 'from 0 to 1')
+        share = check_number('share', share, 'from 0 to 1', least=0.0, most=1.0)
         if not isinstance(seed, int):
             refuse('seed', seed, 'an integer')
         self._messages.disturbances.lose(self._known(topic), share, seed)
@@ -107,8 +107,8 @@ class Topics:
         seconds = check_number('seconds', seconds, 'a finite number, 0 or above', least=0.0)
         self._messages.disturbances.delay(self._known(topic), round(seconds * 1e9))
 
-    def _name(self, topic: str) -> str:
-        name: str = self._observer.resolve_topic_name(_text('topic', topic))
+    def _name(self, topic: str, argument: str = 'topic') -> str:
+        name: str = self._observer.resolve_topic_name(_text(argument, topic))
         return name
 
     def _known(self, topic: str) -> str:
@@ -120,7 +120,7 @@ class Topics:
 
     def _awaited(self, topic: str) -> str:
         """Return the resolved name of a topic of a process that may be waited for."""
-        name: str = self._observer.resolve_topic_name(_text('wait_for', topic))
+        name = self._name(topic, 'wait_for')
         if not self._messages.hears(name):
             refuse('wait_for', topic, 'a topic to which the robot listens, or that the test has '
                    'given to robot.listen before')

@@ -17,6 +17,11 @@
 from diffdrive_kinematics.testing.guardian import delete_shared_memory, shared_memory_of
 
 
+def segments_of(pid):
+    """Return the names of what a process has in shared memory, without its ports."""
+    return {name for name in shared_memory_of(pid) if '_port' not in name}
+
+
 def kill(popen):
     """
     Kill a process, and delete its segment of Fast DDS in shared memory, which stays behind.
@@ -26,9 +31,8 @@ def kill(popen):
     """
     if popen.poll() is not None:
         return
-    found = shared_memory_of(popen.pid)
+    found = segments_of(popen.pid)
     popen.kill()
     popen.wait()
     for name in found:
-        if '_port' not in name:
-            delete_shared_memory(name)
+        delete_shared_memory(name)

@@ -296,6 +296,8 @@ def test_what_a_test_says_wrongly_is_refused_at_once_by_name_value_and_rule(diff
              "message_type is .* expected nav_msgs/msg/Odometry, which '/odom' has"),
             (lambda: robot.listen('Twist', 'plan'), "message_type is 'Twist', expected a type"),
             (lambda: robot.history(None), 'topic is None, expected a name'),
+            (lambda: robot.drop('cmd_vel', 1.5), 'share is 1.5, expected from 0 to 1'),
+            (lambda: diffdrive(clock_step=2e9), 'clock_step is 2000000000.0, expected from'),
             (lambda: robot.drop('cmd_vel', 0.5, seed=None), 'seed is None, expected an integer'),
             (lambda: robot.call(Empty, 'simulated_base/reset', Empty.Request()),
              "service_type is .*, expected std_srvs/srv/Trigger, which 'simulated_base/reset'"),

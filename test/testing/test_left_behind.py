@@ -21,10 +21,10 @@ import subprocess
 import sys
 import time
 
-from diffdrive_kinematics.testing.guardian import shared_memory_of
 import pytest
 from sensor_msgs.msg import JointState
 from support.graph import KHEPERA
+from support.killing import segments_of
 from support.planners import ROBOT
 
 pytestmark = [pytest.mark.ros, pytest.mark.slow]
@@ -112,11 +112,7 @@ def test_a_test_leaves_nothing_behind_when_it(files, end, workers):
 def test_a_process_that_a_graph_ends_leaves_no_segment_behind_and_those_of_others_stay(graph):
     base = graph.start('simulated_base', {**KHEPERA, 'enable_odom_tf': False})
     graph.publisher(JointState, 'wheel_rates')
-
-    def segments(pid):
-        return [Path(each) for each in shared_memory_of(pid) if '_port' not in each]
-
-    own, theirs = segments(os.getpid()), segments(base.pid)
+    own, theirs = ([Path(each) for each in segments_of(pid)] for pid in (os.getpid(), base.pid))
     assert own and theirs
     base.kill()
     assert not any(each.exists() for each in theirs)
