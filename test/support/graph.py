@@ -33,7 +33,7 @@ import rclpy
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.qos import QoSProfile
 from std_msgs.msg import Empty
-from support.killing import kill
+from support.killing import delete_left, kill
 
 DEADLINE_S = 90.0
 ANSWER_S = 10.0
@@ -139,6 +139,7 @@ class Graph:
         self.executor.shutdown()
         self.node.destroy_node()
         rclpy.try_shutdown(context=self.context)
+        delete_left()
 
     def wait_for(self, condition, what, timeout=DEADLINE_S):
         """Spin until the condition returns something true, and return that."""

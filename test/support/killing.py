@@ -16,6 +16,8 @@
 
 from diffdrive_kinematics.testing.guardian import delete_shared_memory, shared_memory_of
 
+_left = set()
+
 
 def segments_of(pid):
     """Return the names of what a process has in shared memory, without its ports."""
@@ -24,15 +26,22 @@ def segments_of(pid):
 
 def kill(popen):
     """
-    Kill a process, and delete its segment of Fast DDS in shared memory, which stays behind.
+    Kill a process; its segment of Fast DDS in shared memory, which stays behind, is noted.
 
     Ports stay, as their numbers are given out again while others still have them open: there are
     no more of them than processes at a time.
     """
-    if popen.poll() is not None:
-        return
-    found = segments_of(popen.pid)
-    popen.kill()
-    popen.wait()
-    for name in found:
-        delete_shared_memory(name)
+    if popen.poll() is None:
+        _left.update(segments_of(popen.pid))
+        popen.kill()
+        popen.wait()
+
+
+def delete_left():
+    """
+    Delete the segments of processes that were killed, once who heard these has ended, too.
+
+    A reader that still has messages in a segment dies of a segmentation fault without it.
+    """
+    while _left:
+        delete_shared_memory(_left.pop())
