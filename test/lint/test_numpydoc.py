@@ -32,11 +32,8 @@ docscrape = pytest.importorskip('numpydoc.docscrape')
 hook = pytest.importorskip('numpydoc.hooks.validate_docstrings')
 
 ROOT = Path(__file__).resolve().parents[2]
-NOT_YET = set()
-"""Modules whose docstrings are still to be completed."""
 MODULES = sorted(each.name for each in pkgutil.walk_packages(core.__path__, f'{core.__name__}.')
                  if not each.ispkg)
-CHECKED = [name for name in MODULES if name.rpartition('.')[2] not in NOT_YET]
 
 
 def public_objects(module):
@@ -125,20 +122,11 @@ def checks():
 
 @pytest.mark.numpydoc
 @pytest.mark.linter
-@pytest.mark.parametrize('name', CHECKED)
+@pytest.mark.parametrize('name', MODULES)
 def test_public_docstrings_are_complete(name, checks):
     """What to check stands in setup.cfg."""
     found = lacks(name, checks)
     assert not found, '\n'.join(found)
-
-
-@pytest.mark.numpydoc
-@pytest.mark.linter
-def test_the_list_of_what_is_not_complete_has_only_modules_that_are_not(checks):
-    """A module that was renamed or completed has no place there."""
-    lacking = {name.rpartition('.')[2] for name in MODULES if lacks(name, checks)}
-    assert lacking == NOT_YET
-    assert f'{core.__name__}.kinematics.arc' in CHECKED
 
 
 def _arc(radius, turn):

@@ -127,14 +127,14 @@ class LeanBase:
         self._twist = twist_from_wheel_rates(self._geometry, *self._held)
         self._live = self._new_rates = True
 
-    def _hear(self, data: bytes, told: Mapping[str, Any], now_ns: int) -> bool:
+    def _hear(self, data: bytes, info: Mapping[str, Any], now_ns: int) -> bool:
         """Follow the usual message; False: it is another one, and nothing was done."""
-        if told.get(NUMBER) != self._number or len(data) != self._size:
+        if info.get(NUMBER) != self._number or len(data) != self._size:
             return False
         fields = self._unpack(data)
         sec, nanosec = fields[1:3]
         stamp_ns, last_ns, clock = sec * NANOSECONDS + nanosec, self._last_ns, self._clock
-        heard_ns = min(now_ns, told.get(RECEIVED) or now_ns)
+        heard_ns = min(now_ns, info.get(RECEIVED) or now_ns)
         if self._texts(fields) != self._known or nanosec >= NANOSECONDS \
                 or not 0 < stamp_ns - last_ns <= self._timeout_ns \
                 or stamp_ns <= self._anchor_ns \
