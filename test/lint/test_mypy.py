@@ -24,6 +24,7 @@ ROOT = Path(__file__).resolve().parents[2]
 
 @pytest.mark.mypy
 @pytest.mark.linter
+@pytest.mark.timeout(900)  # the first time all of it and its libraries is read
 def test_mypy_finds_nothing(monkeypatch):
     """What to check, and how strictly, stands in setup.cfg."""
     monkeypatch.chdir(ROOT)
