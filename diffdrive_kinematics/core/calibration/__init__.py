@@ -16,16 +16,28 @@
 Measuring a robot: its wheels, its bias and its slip, from squares or recorded drives.
 
 UMBmark, least squares on trajectories, the likelihood of slip on windows of a drive, and the
-response of a robot to its commands.
+response of a robot to its commands.  An order in which to read the files:
+
+* what is found: ``calibration_parameters``;
+* squares: ``square_runs``, ``square_errors``, ``umbmark`` to first order, ``square_fit`` exactly;
+* drives: ``recorded_rows``, ``recorded_drive``, ``drive_sources``, ``drive_odometry``;
+* windows of drives: ``trajectory_windows``, ``window_residuals``, ``window_weights``;
+* the fit of trajectories: ``trajectory_fit``, from which the others are called: ``fit_setup``,
+  ``fit_problem``, ``fit_state``, ``gauss_newton``, ``fit_covariance``, ``clock_choice``,
+  ``trajectory_result``; of several sessions: ``session_fit``;
+* slip: ``drive_slip``, ``slip_window``, ``slip_stack``, ``slip_fit`` by ``variance_components``
+  and ``white_errors``, ``slip_choice``, ``slip_result``;
+* the response to commands: ``response_choice``, ``response_forms``, ``response_drive``,
+  ``response_fit`` by ``robust_fit``.
 """
 
-from diffdrive_kinematics.core.calibration.calibration_parameters import CalibrationParameters
+from diffdrive_kinematics.core.calibration.calibration_parameters import (
+    CalibrationParameters, Estimate)
 from diffdrive_kinematics.core.calibration.clock_choice import drift_pays
 from diffdrive_kinematics.core.calibration.drive_odometry import odometry_at
 from diffdrive_kinematics.core.calibration.drive_slip import fit_drive_slip, slip_windows
 from diffdrive_kinematics.core.calibration.drive_sources import (
     drive_from_commands, drive_from_rates, drive_from_ticks)
-from diffdrive_kinematics.core.calibration.estimate import Estimate
 from diffdrive_kinematics.core.calibration.fit_setup import Clock, NO_FRAME
 from diffdrive_kinematics.core.calibration.gauss_newton import Iteration
 from diffdrive_kinematics.core.calibration.recorded_drive import (
@@ -40,14 +52,13 @@ from diffdrive_kinematics.core.calibration.session_fit import (
     fit_sessions, SessionFit, spread_between)
 from diffdrive_kinematics.core.calibration.slip_choice import choose_slip, penalised
 from diffdrive_kinematics.core.calibration.slip_fit import fit_reference_noise, fit_slip
-from diffdrive_kinematics.core.calibration.slip_nees import nees_per_dof
 from diffdrive_kinematics.core.calibration.slip_result import (
     NO_NOISE, ReferenceNoise, SlipFit, SlipModel)
-from diffdrive_kinematics.core.calibration.slip_stack import SLIP_TERMS
+from diffdrive_kinematics.core.calibration.slip_stack import nees_per_dof, SLIP_TERMS
 from diffdrive_kinematics.core.calibration.slip_window import slip_window, SlipWindow
 from diffdrive_kinematics.core.calibration.square_fit import fit_squares, SquareFit
-from diffdrive_kinematics.core.calibration.square_runs import ReturnError, Umbmark
-from diffdrive_kinematics.core.calibration.square_slip import slip_from_squares
+from diffdrive_kinematics.core.calibration.square_runs import (
+    ReturnError, slip_from_squares, Umbmark)
 from diffdrive_kinematics.core.calibration.trajectory_fit import fit_trajectory
 from diffdrive_kinematics.core.calibration.trajectory_result import Residual, TrajectoryFit
 from diffdrive_kinematics.core.calibration.trajectory_windows import (

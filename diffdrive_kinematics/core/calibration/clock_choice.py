@@ -25,12 +25,12 @@ for overlaps (:mod:`.fit_covariance`; Varin, Reid & Firth 2011, Statistica Sinic
 from dataclasses import replace
 from typing import Callable, List, Optional, Tuple
 
-from diffdrive_kinematics.core.calibration.fit_covariance import parameter_covariance
+from diffdrive_kinematics.core.calibration.fit_covariance import (
+    course_state, parameter_covariance, unidentified)
 from diffdrive_kinematics.core.calibration.fit_problem import Column, Problem
 from diffdrive_kinematics.core.calibration.fit_setup import fewest_windows
 from diffdrive_kinematics.core.calibration.fit_state import FitState
 from diffdrive_kinematics.core.calibration.gauss_newton import Iteration
-from diffdrive_kinematics.core.calibration.identifiability import course_state, unidentified
 
 LEAST_RATIO = 6.635
 """Likelihood ratio from which a parameter pays: 1 % of chi square with one degree of freedom."""

@@ -31,8 +31,8 @@ from itertools import chain
 import math
 from typing import Any, Dict, List, Optional, Sequence, Tuple
 
-from diffdrive_kinematics.core.calibration.calibration_parameters import CalibrationParameters
-from diffdrive_kinematics.core.calibration.estimate import Estimate
+from diffdrive_kinematics.core.calibration.calibration_parameters import (
+    CalibrationParameters, Estimate)
 from diffdrive_kinematics.core.calibration.recorded_drive import on_wheel_clock, RecordedDrive
 from diffdrive_kinematics.core.calibration.slip_choice import choose_slip
 from diffdrive_kinematics.core.calibration.slip_fit import fit_slip

@@ -12,20 +12,26 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""How a trajectory fit is set up: its parameters, its windows, and whether there are enough."""
+"""How a trajectory fit is set up: its parameters, its windows (are there enough?), its start."""
 
 import enum
 import math
-from typing import List, Optional, Sequence
+from typing import List, Optional, Sequence, Tuple
 
 from diffdrive_kinematics.core.calibration.calibration_parameters import (
     CalibrationParameters, FRAME, NAMES, WHEELS)
+from diffdrive_kinematics.core.calibration.drive_odometry import odometry_at
 from diffdrive_kinematics.core.calibration.fit_problem import Column, Problem
-from diffdrive_kinematics.core.calibration.frame_start import frame_from_motion
 from diffdrive_kinematics.core.calibration.recorded_drive import RecordedDrive
-from diffdrive_kinematics.core.calibration.trajectory_windows import Windows, windows_between
-from diffdrive_kinematics.core.kinematics import check_finite, Pose, WheelGeometry
+from diffdrive_kinematics.core.calibration.trajectory_windows import (
+    Windows, windows_between, WindowSet)
+from diffdrive_kinematics.core.kinematics import Array, check_finite, Pose, WheelGeometry
+import numpy as np
+from numpy.typing import NDArray
 
+ROUNDS, TINY = 10, 1e-4
+FARTHEST = 3.0
+"""Distance of the frame from the robot's centre [m] beyond which it is not believed."""
 NO_FRAME = Pose(0.0, 0.0, 0.0)
 
 
@@ -114,7 +120,7 @@ def problem_of(
             f'{len(columns)} parameters ({sum(each.in_gaps for each in chosen)} in gaps), '
             f'expected at least {fewest_windows(len(columns))}')
     if frame is None:
-        held = frame_from_motion(geometry, drives, chosen)
+        held = _frame_from_motion(geometry, drives, chosen)
     start = CalibrationParameters(x=held[0], y=held[1], yaw=held[2])
     return Problem(geometry, tuple(drives), chosen, tuple(columns), start, windows.trust)
 
@@ -154,3 +160,42 @@ def _columns(drives: int, wheels: bool, clock: Clock, frame: bool) -> List[Colum
             if clock is Clock.DRIFTS:
                 columns.append(Column(f'drift of drive {n + 1}', 'drift', n))
     return columns
+
+
+def _frame_from_motion(
+        geometry: WheelGeometry, drives: Sequence[RecordedDrive], windows: Sequence[WindowSet]
+) -> Tuple[float, float, float]:
+    """
+    Return the pose of the reference's frame on the robot that explains its displacements best.
+
+    It is where a fit starts: x [m], y [m] and yaw [rad], 0 where the drives do not tell it.  The
+    errors of a calibration are the same for (radii, separation, x, y, yaw) and for (minus all of
+    these, yaw + pi), so a search must start on the right side.  With displacements as complex
+    numbers, a window in which the robot goes w and turns by t moves the frame at p by
+    ``s = a w + (exp(i t) - 1) b`` in its own axes, ``a = exp(-i yaw)``, ``b = a p``.  That is
+    linear in a and b; windows that fit badly lose their weight (least absolute errors).
+    """
+    nothing = CalibrationParameters()
+    moves = [(_displacements(odometry_at(geometry, drive, nothing), chosen),
+              _displacements(drive.reference, chosen),
+              drive.reference[chosen.end, 2] - drive.reference[chosen.start, 2])
+             for drive, chosen in zip(drives, windows)]
+    wheels, seen, turns = (np.concatenate(each) for each in zip(*moves))
+    model = np.stack([wheels, np.exp(1j * turns) - 1.0], axis=1)
+    weights = np.ones(len(seen))
+    for _ in range(ROUNDS):
+        (a, b), *_ = np.linalg.lstsq(weights[:, None] * model, weights * seen, rcond=1e-3)
+        left = np.abs(seen - model @ np.array([a, b]))
+        weights = 1.0 / np.sqrt(np.maximum(left, TINY))
+    if not 0.1 < abs(a) < 10.0:
+        return 0.0, 0.0, 0.0
+    place = complex(b / a) if abs(b / a) < FARTHEST else 0j
+    return place.real, place.imag, float(-np.angle(a))
+
+
+def _displacements(poses: Array, windows: WindowSet) -> NDArray[np.complex128]:
+    """Return where windows end, in the frame of their start."""
+    apart = poses[windows.end] - poses[windows.start]
+    found: NDArray[np.complex128] = (
+        (apart[:, 0] + 1j * apart[:, 1]) * np.exp(-1j * poses[windows.start, 2]))
+    return found

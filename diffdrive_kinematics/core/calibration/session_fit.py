@@ -26,8 +26,7 @@ explain it all.
 import math
 from typing import List, NamedTuple, Optional, Sequence, Tuple
 
-from diffdrive_kinematics.core.calibration.calibration_parameters import NAMES, WHEELS
-from diffdrive_kinematics.core.calibration.estimate import Estimate
+from diffdrive_kinematics.core.calibration.calibration_parameters import Estimate, NAMES, WHEELS
 from diffdrive_kinematics.core.calibration.fit_setup import Clock
 from diffdrive_kinematics.core.calibration.recorded_drive import RecordedDrive
 from diffdrive_kinematics.core.calibration.trajectory_fit import fit_trajectory

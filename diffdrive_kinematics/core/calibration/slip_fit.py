@@ -24,13 +24,13 @@ twice.
 import math
 from typing import List, Optional, Sequence
 
-from diffdrive_kinematics.core.calibration.estimate import Estimate
+from diffdrive_kinematics.core.calibration.calibration_parameters import Estimate
 from diffdrive_kinematics.core.calibration.slip_result import NOTHING, ReferenceNoise, SlipFit
 from diffdrive_kinematics.core.calibration.slip_stack import (
     noise_covariance, slip_covariance, slip_parts, stacked_windows)
 from diffdrive_kinematics.core.calibration.slip_window import SlipWindow
 from diffdrive_kinematics.core.calibration.variance_components import Components, fit_components
-from diffdrive_kinematics.core.calibration.window_variances import least_noise
+from diffdrive_kinematics.core.calibration.window_weights import least_noise
 from diffdrive_kinematics.core.kinematics import Array
 from diffdrive_kinematics.core.noise import BodySlip, NO_BODY_SLIP
 import numpy as np

@@ -17,7 +17,7 @@
 from dataclasses import dataclass
 from typing import NamedTuple, Tuple
 
-from diffdrive_kinematics.core.calibration.estimate import Estimate
+from diffdrive_kinematics.core.calibration.calibration_parameters import Estimate
 from diffdrive_kinematics.core.noise import BodySlip
 
 

@@ -12,14 +12,19 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Slip windows stacked into arrays, and the covariances that slip and noise give their errors."""
+"""
+Slip windows stacked into arrays, and the covariances that slip and noise give their errors.
+
+With these :func:`nees_per_dof` tells whether known slip constants predict the errors.
+"""
 
 from typing import List, Sequence
 
-from diffdrive_kinematics.core.calibration.slip_result import ReferenceNoise
+from diffdrive_kinematics.core.calibration.slip_result import NO_NOISE, ReferenceNoise
 from diffdrive_kinematics.core.calibration.slip_window import SlipWindow
+from diffdrive_kinematics.core.calibration.variance_components import likelihood
 from diffdrive_kinematics.core.kinematics import Array, check_non_negative
-from diffdrive_kinematics.core.noise import BodySlip
+from diffdrive_kinematics.core.noise import BodySlip, NO_BODY_SLIP
 import numpy as np
 
 BODY_TERMS = ('linear', 'turn', 'heading')
@@ -175,3 +180,49 @@ def noise_covariance(stack: SlipWindow, noise: ReferenceNoise) -> Array:
     return (check_non_negative('sigma_position', noise.sigma_position)**2 * stack.position
             + check_non_negative('sigma_heading', noise.sigma_heading)**2 * stack.heading
             + check_non_negative('sigma_time', noise.sigma_time)**2 * stack.time)
+
+
+def nees_per_dof(
+        windows: Sequence[SlipWindow], k_left: float, k_right: float,
+        noise: ReferenceNoise = NO_NOISE, body: BodySlip = NO_BODY_SLIP) -> Array:
+    """
+    Return ``e^T P^-1 e / 3`` of each window; its mean is 1 if the model holds.
+
+    The normalised error squared of Bar-Shalom, Li & Kirubarajan (2001, sec. 5.4.2), for slip
+    constants and a noise of the reference that may come from other windows.
+
+    Parameters
+    ----------
+    windows : sequence of SlipWindow
+        At least one.
+    k_left, k_right : float
+        Slip variance per metre of travel [m].
+    noise : ReferenceNoise
+        Noise of the reference.
+    body : BodySlip
+        Slip of the body.
+
+    Returns
+    -------
+    numpy.ndarray, shape (n,)
+        One value for each window [1].
+
+    Raises
+    ------
+    ValueError
+        If a constant is not finite or below 0, or the covariance of a window is singular.
+
+    Examples
+    --------
+    >>> from diffdrive_kinematics.core.calibration import slip_window
+    >>> from diffdrive_kinematics.core.kinematics import Pose, WheelGeometry
+    >>> window = slip_window(WheelGeometry(0.5, 0.125), [[1.0, 1.0]],
+    ...                      Pose(0.0, 0.0, 0.0), Pose(1.0, 0.0, 0.03))
+    >>> nees_per_dof([window], k_left=1e-4, k_right=1e-4).round(3)
+    array([1.5])
+
+    """
+    stack = stacked_windows(windows, fewest=1)
+    covariance = slip_covariance(stack, k_left, k_right, body) + noise_covariance(stack, noise)
+    _, quadratic = likelihood(stack.error, covariance)
+    return quadratic / 3.0

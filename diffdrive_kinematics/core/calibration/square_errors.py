@@ -40,7 +40,7 @@ has s - r, and beta is the turn along a quarter of the way, ``p = s - 2 r + pi r
 import math
 from typing import NamedTuple, Tuple
 
-from diffdrive_kinematics.core.calibration.estimate import Estimate
+from diffdrive_kinematics.core.calibration.calibration_parameters import Estimate
 from diffdrive_kinematics.core.commands import QUARTER
 from diffdrive_kinematics.core.kinematics import Array
 

@@ -29,9 +29,8 @@ and up to 45 % too large where there was nothing to correct.
 from dataclasses import dataclass, replace
 from typing import Sequence
 
-from diffdrive_kinematics.core.calibration.estimate import Estimate
+from diffdrive_kinematics.core.calibration.calibration_parameters import Estimate, student_quantile
 from diffdrive_kinematics.core.calibration.square_runs import ReturnError, Umbmark
-from diffdrive_kinematics.core.calibration.student import student_quantile
 from diffdrive_kinematics.core.calibration.umbmark import reread, umbmark, with_ratios
 from diffdrive_kinematics.core.commands import square_course
 from diffdrive_kinematics.core.kinematics import Array, Pose, pose_after, WheelGeometry

@@ -31,23 +31,21 @@ from functools import partial
 import math
 from typing import List, Optional, Sequence, Tuple
 
-from diffdrive_kinematics.core.calibration.calibration_parameters import FRAME, NAMES, WHEELS
+from diffdrive_kinematics.core.calibration.calibration_parameters import (
+    Estimate, FRAME, NAMES, WHEELS)
 from diffdrive_kinematics.core.calibration.clock_choice import chosen_clocks, Ratios
-from diffdrive_kinematics.core.calibration.estimate import Estimate
-from diffdrive_kinematics.core.calibration.fit_covariance import parameter_covariance, taken_by_fit
+from diffdrive_kinematics.core.calibration.fit_covariance import (
+    course_state, parameter_covariance, refuse_unidentified, SAME_DRIVE, taken_by_fit)
 from diffdrive_kinematics.core.calibration.fit_problem import Problem
 from diffdrive_kinematics.core.calibration.fit_setup import Clock, problem_of
 from diffdrive_kinematics.core.calibration.fit_state import FitState
 from diffdrive_kinematics.core.calibration.gauss_newton import (
     descend, Iteration, newton_step, Watch)
-from diffdrive_kinematics.core.calibration.identifiability import (
-    course_state, refuse_unidentified, SAME_DRIVE)
 from diffdrive_kinematics.core.calibration.recorded_drive import RecordedDrive
 from diffdrive_kinematics.core.calibration.trajectory_result import Residual, TrajectoryFit
 from diffdrive_kinematics.core.calibration.trajectory_windows import Windows
-from diffdrive_kinematics.core.calibration.window_variances import (
-    START_VARIANCES, updated_variances)
-from diffdrive_kinematics.core.calibration.window_weights import MEDIAN, Variances, window_weights
+from diffdrive_kinematics.core.calibration.window_weights import (
+    MEDIAN, START_VARIANCES, updated_variances, Variances, window_weights)
 from diffdrive_kinematics.core.kinematics import Array, Pose, WheelGeometry
 import numpy as np
 

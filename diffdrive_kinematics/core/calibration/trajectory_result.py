@@ -18,8 +18,7 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple, Optional, Tuple
 
 from diffdrive_kinematics.core.calibration.calibration_parameters import (
-    CalibrationParameters, FRAME, NAMES, WHEELS)
-from diffdrive_kinematics.core.calibration.estimate import Estimate
+    CalibrationParameters, Estimate, FRAME, NAMES, WHEELS)
 from diffdrive_kinematics.core.calibration.gauss_newton import Iteration
 from diffdrive_kinematics.core.calibration.window_weights import Variances
 from diffdrive_kinematics.core.kinematics import Array, Pose, WheelGeometry

@@ -19,9 +19,12 @@ The error of a window is the relative pose of the robot's centre as the referenc
 that of wheel odometry, in the frame of the window's start (as in :mod:`.slip_fit`).
 
 A wheel that travels an element more at (x, y, theta) on the way moves the end (x_e, y_e) by
-``M_e a``, with a of :mod:`.interval_sums` and ``M_e = [[1, 0, -y_e], [0, 1, x_e], [0, 0, 1]]``.
-As ``a`` does not depend on the window, the derivatives with respect to radii and separation, and
-the slip covariances A_l and A_r, of all windows are differences of a few cumulative sums.
+``M_e a``, with ``M_e = [[1, 0, -y_e], [0, 1, x_e], [0, 0, 1]]`` and
+``a_{l,r} = (cos(theta) / 2 -+ y / L, sin(theta) / 2 +- x / L, -+1 / L)``, of the middle of an
+interval of the wheels.  As ``a`` does not depend on the window, the derivatives with respect to
+radii and separation, and the slip covariances A_l and A_r, of all windows are differences of a few
+cumulative sums.  A long drive has many times more intervals than samples, so that they are gone
+through in blocks that stay in the cache.
 """
 
 from dataclasses import dataclass
@@ -29,8 +32,7 @@ from typing import Tuple
 
 from diffdrive_kinematics.core.calibration.calibration_parameters import CalibrationParameters
 from diffdrive_kinematics.core.calibration.drive_odometry import (
-    calibrated_travel, nodes_of, path_of)
-from diffdrive_kinematics.core.calibration.interval_sums import interval_sums
+    calibrated_travel, Nodes, nodes_of, path_of)
 from diffdrive_kinematics.core.calibration.recorded_drive import (
     Indices, RecordedDrive, since_middle)
 from diffdrive_kinematics.core.calibration.trajectory_windows import WindowSet
@@ -38,6 +40,9 @@ from diffdrive_kinematics.core.calibration.white_errors import from_entries
 from diffdrive_kinematics.core.kinematics import Array, WheelGeometry, wrap_angle
 from diffdrive_kinematics.core.noise import pose_jacobians, rotations
 import numpy as np
+
+BLOCK = 8192
+"""Intervals that are gone through at a time."""
 
 
 @dataclass(frozen=True)
@@ -58,7 +63,7 @@ class WindowResiduals:
     along : numpy.ndarray, shape (w, 3, 3)
         What maps the sum of the a of a window's travel to its error.
     passed : numpy.ndarray, shape (2, 6, w)
-        Spread (see :class:`.IntervalSums`) of the intervals before the first one of each window,
+        Spread (see :func:`_interval_sums`) of the intervals before the first one of each window,
         and of those up to its last one.
     first, last : numpy.ndarray of int, shape (w,)
         Intervals in which the windows start and end.
@@ -137,7 +142,7 @@ def linearised(
     path = path_of(travel, separation)
     nodes = nodes_of(drive, systematic, travel, separation, path)
     start, end = windows.start, windows.end
-    before, within = interval_sums(nodes, path, travel, separation, systematic)
+    before, within = _interval_sums(nodes, path, travel, separation, systematic)
     until = before + nodes.fraction * within
     sums = until[:, end] - until[:, start]
     along = rotations(-nodes.pose[start, 2]) @ pose_jacobians(*nodes.pose[end, :2].T)
@@ -192,3 +197,46 @@ def _reference(
     centre = apart.copy()
     centre[:, :2] += np.einsum('wij,j->wi', frame[:, :2, :2], offset)
     return centre, frame, at_start, at_end
+
+
+def _interval_sums(
+        nodes: Nodes, path: Array, travel: Array, separation: float,
+        systematic: CalibrationParameters) -> Tuple[Array, Array]:
+    """
+    Return the sums over the intervals before that of each sample, and over that, shape (15, m).
+
+    In each column are first the changes of x, y and theta with left, right and separation (row 1:
+    of x with right), then the entries xx, xy, xt, yy, yt, tt of ``|travel| a a^T``, the spread,
+    summed over both wheels.
+    """
+    before, within = np.empty((2, 15, len(nodes.interval)))
+    carried = np.zeros((15, 1))
+    for first in range(0, len(travel), BLOCK):
+        rows = _rows(path[first:first + BLOCK + 1].T.copy(), travel[first:first + BLOCK].T.copy(),
+                     separation, systematic)
+        total = np.concatenate([carried, carried + np.cumsum(rows, axis=1)], axis=1)
+        here = slice(*np.searchsorted(nodes.interval, [first, first + BLOCK]))
+        at = nodes.interval[here] - first
+        total.take(at, axis=1, out=before[:, here], mode='clip')
+        rows.take(at, axis=1, out=within[:, here], mode='clip')
+        carried = total[:, -1:]
+    return before, within
+
+
+def _rows(
+        path: Array, travel: Array, separation: float, systematic: CalibrationParameters) -> Array:
+    """Return the rows of n intervals: path (3, n + 1), travel (2, n)."""
+    x, y, theta = 0.5 * (path[:, 1:] + path[:, :-1])
+    half_x, half_y, turn = 0.5 * np.cos(theta), 0.5 * np.sin(theta), 1.0 / separation
+    rows = np.zeros((15, len(x)))
+    for wheel, (sign, factor) in enumerate(((-1.0, systematic.left), (1.0, systematic.right))):
+        a_x, a_y, a_t = half_x + sign * turn * y, half_y - sign * turn * x, sign * turn
+        by_radius, size = travel[wheel] / factor, np.abs(travel[wheel])
+        rows[wheel], rows[wheel + 3], rows[wheel + 6] = (
+            a_x * by_radius, a_y * by_radius, a_t * by_radius)
+        for row, entry in enumerate((
+                a_x * a_x, a_x * a_y, a_x * a_t, a_y * a_y, a_y * a_t, a_t * a_t), start=9):
+            rows[row] += size * entry
+    by_separation = (travel[0] - travel[1]) / (separation * systematic.separation)
+    rows[2], rows[5], rows[8] = y * by_separation, -x * by_separation, by_separation
+    return rows

@@ -17,7 +17,8 @@
 import math
 
 from diffdrive_kinematics.core.calibration import fit_squares, ReturnError
-from diffdrive_kinematics.core.calibration.student import share_within, student_quantile
+from diffdrive_kinematics.core.calibration.calibration_parameters import (
+    share_within, student_quantile)
 from diffdrive_kinematics.core.kinematics import Command, Pose, pose_after, WheelGeometry
 import mpmath
 import numpy as np
