@@ -17,12 +17,13 @@
 import signal
 import time
 
-from geometry_msgs.msg import Twist, TwistStamped
+from geometry_msgs.msg import Twist
 import pytest
 from sensor_msgs.msg import JointState
 from support.graph import KHEPERA, stamp_ns, twist, twist_stamped
-from support.health import collect, wait_for_level, WARN
+from support.health import statuses_of, WARN, with_health
 from support.once import obeyed_once, OLD
+from support.stepped import messages, nodes, time_ns
 
 CONTROLLER = 'diff_drive_controller'
 STAMPED = {**KHEPERA, 'enable_stamped_cmd_vel': True}
@@ -53,64 +54,58 @@ def at(rates, v):
     return rates and rates[-1].velocity[0] == pytest.approx(v / 0.021, rel=1e-9)
 
 
-def drive_by(graph, rates, send, v):
-    """Send a command until it is obeyed: one alone may come too late, or be over when heard."""
-    graph.wait_for(lambda: send() or at(rates, v), f'the speed {v}')
+@pytest.fixture
+def robot_with(diffdrive):
+    """Return what makes a controller whose clock has shown two hours."""
+    def make(**parameters):
+        robot = with_health(diffdrive(
+            nodes(CONTROLLER), params={**STAMPED, 'diagnostics_rate': 10.0, **parameters}))
+        robot.step_clock(7200.0)
+        return robot
+
+    return make
 
 
-def test_a_command_of_an_hour_ago_moves_nothing_and_is_counted_and_reported(graph):
-    controller = graph.start(CONTROLLER, {**STAMPED, 'diagnostics_rate': 10.0})
-    statuses = collect(graph, f'/{CONTROLLER}')
-    rates = graph.collect(JointState, 'wheel_rates')
-    commands = graph.publisher(TwistStamped, 'cmd_vel')
-    graph.wait_for(lambda: statuses and rates, 'both to be heard')
-    commands.publish(twist_stamped(graph.now_ns() - HOUR_NS, SPEED, 0.0))
-    values = wait_for_level(graph, statuses, WARN, 'old commands: 1 more, 1 in all')[2]
+def command(robot, v, *, after_ns=0):
+    """Say a command that is stamped so long after this time; return the wheel rates so far."""
+    robot.publish('cmd_vel', twist_stamped(time_ns(robot) + after_ns, v, 0.0))
+    return messages(robot, 'wheel_rates')
+
+
+@pytest.mark.ros
+def test_a_command_of_an_hour_ago_moves_nothing_and_is_counted_and_reported(robot_with, capfd):
+    robot = robot_with()
+    robot.advance(0.2)
+    assert turning(command(robot, SPEED, after_ns=-HOUR_NS)) == []
+    robot.advance(0.2)
+    values = next(values for level, text, values in statuses_of(robot, f'/{CONTROLLER}')
+                  if level == WARN and 'old commands: 1 more, 1 in all' in text)
     assert values['old commands'] == '1' and values['timeouts'] == '0'
-    assert f'{OLD} 0.5' in controller.output
-    assert 'cmd_vel_clock_offset' in controller.output
-    assert turning(rates) == []
-    drive_by(graph, rates, lambda: commands.publish(
-        twist_stamped(graph.now_ns(), SPEED, 0.0)), SPEED)
+    output = capfd.readouterr().err
+    assert f'{OLD} 0.5' in output and 'cmd_vel_clock_offset' in output
+    assert turning(messages(robot, 'wheel_rates')) == []
+    assert at(command(robot, SPEED), SPEED)
 
 
-def test_a_command_from_before_a_stop_that_was_carried_out_moves_nothing(graph):
-    controller = graph.start(CONTROLLER, {**STAMPED, 'cmd_vel_timeout': 60.0})
-    rates = graph.collect(JointState, 'wheel_rates')
-    commands = graph.publisher(TwistStamped, 'cmd_vel')
-    begin = graph.now_ns()
-    commands.publish(twist_stamped(begin, SPEED, 0.0))
-    graph.wait_for(lambda: at(rates, SPEED), 'the robot to drive')
-    commands.publish(twist_stamped(begin + 2 * MS, 0.0, 0.0))
-    graph.wait_for(lambda: at(rates, 0.0), 'the stop')
-    stopped = len(rates)
-    commands.publish(twist_stamped(begin + MS, SPEED, 0.0))
-    graph.wait_for(lambda: 'before the last one obeyed' in controller.output, 'a report')
-    graph.wait_for(lambda: len(rates) > stopped + 5, 'rates after it')
-    assert turning(rates[stopped:]) == []
-    commands.publish(twist_stamped(begin + 2 * MS, -SPEED, 0.0))  # not older: another thought
-    graph.wait_for(lambda: at(rates, -SPEED), 'the next command')
+@pytest.mark.ros
+def test_a_command_from_before_a_stop_that_was_carried_out_moves_nothing(robot_with, capfd):
+    robot = robot_with(cmd_vel_timeout=60.0)
+    assert at(command(robot, SPEED), SPEED)
+    robot.advance(0.02)
+    assert at(command(robot, 0.0), 0.0)
+    assert at(command(robot, SPEED, after_ns=-MS), 0.0)
+    assert 'before the last one obeyed' in capfd.readouterr().err
+    robot.advance(0.2)
+    assert at(messages(robot, 'wheel_rates'), 0.0)
+    assert at(command(robot, -SPEED, after_ns=-200 * MS), -SPEED)  # not older: another thought
 
 
-def test_a_stamp_from_the_future_does_not_lock_out_what_follows(graph):
-    graph.start(CONTROLLER, STAMPED)
-    rates = graph.collect(JointState, 'wheel_rates')
-    commands = graph.publisher(TwistStamped, 'cmd_vel')
-    drive_by(graph, rates, lambda: commands.publish(
-        twist_stamped(graph.now_ns() + HOUR_NS, SPEED, 0.0)), SPEED)
-    drive_by(graph, rates, lambda: commands.publish(
-        twist_stamped(graph.now_ns(), -SPEED, 0.0)), -SPEED)
-
-
+@pytest.mark.ros
 @pytest.mark.parametrize('offset', [3600.0, float('nan')])
-def test_clocks_that_are_known_to_be_apart_are_no_age(graph, offset):
-    controller = graph.start(CONTROLLER, {
-        **STAMPED, 'cmd_vel_clock_offset': '.nan' if offset != offset else offset})
-    rates = graph.collect(JointState, 'wheel_rates')
-    commands = graph.publisher(TwistStamped, 'cmd_vel')
-    drive_by(graph, rates, lambda: commands.publish(
-        twist_stamped(graph.now_ns() - HOUR_NS, SPEED, 0.0)), SPEED)
-    assert OLD not in controller.output
+def test_clocks_that_are_known_to_be_apart_are_no_age(robot_with, capfd, offset):
+    robot = robot_with(cmd_vel_clock_offset=offset)
+    assert at(command(robot, SPEED, after_ns=-HOUR_NS), SPEED)
+    assert OLD not in capfd.readouterr().err
 
 
 @EXECUTORS
