@@ -34,7 +34,7 @@ from rclpy.qos import qos_profile_sensor_data
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState
 from std_srvs.srv import Trigger
-from support.graph import KHEPERA, set_stamp
+from support.graph import JOINTS, KHEPERA, set_stamp
 from support.inside import Run
 from support.recorded import RADIUS, RUNS, SEPARATION, TICKS_PER_TURN
 
@@ -73,36 +73,49 @@ def end_positions(report):
     return [float(value) for role in ('truth', 'belief') for value in rows[role]]
 
 
-def drive_squares(graph, *files):
+@pytest.fixture
+def ran(capfd):
+    """Return what runs an executable that ends well, with settings, and returns its output."""
+    def run(name, *settings, files=(), geometry=GEOMETRY):
+        done = Run(name, [
+            *geometry, *(part for file in files for part in ('--params-file', str(file))),
+            *(part for each in settings for part in ('-p', each))], capfd)
+        assert done.wait() == 0, done.output
+        return done.output
+
+    return run
+
+
+def square(ran, clockwise, *settings, files):
+    """Drive the square one way round; return the end positions, and their row of the CSV."""
+    end = end_positions(ran(
+        'diffdrive_sim', f'command_sequence:square_clockwise:={"true" if clockwise else "false"}',
+        *settings, files=files, geometry=['--ros-args']))
+    return end, ','.join(map(str, [clockwise, *end])) + '\n'
+
+
+def drive_squares(ran, *files):
     """Drive the square both ways; return the runs as CSV, and the largest error [m]."""
-    lines, largest = HEADER, 0.0
-    for clockwise in (1, 0):
-        sim = graph.start('diffdrive_sim', args=[
-            '--ros-args', *(part for file in files for part in ('--params-file', str(file))),
-            '-p', f'command_sequence:square_clockwise:={"true" if clockwise else "false"}'])
-        assert sim.wait() == 0, sim.output
-        x, y, odom_x, odom_y = end = end_positions(sim.output)
-        largest = max(largest, math.hypot(x - odom_x, y - odom_y))
-        row = ','.join(map(str, [clockwise, *end])) + '\n'
-        lines += 2 * row  # without slip a second run is the same
-    return lines, largest
+    ends, rows = zip(*(square(ran, clockwise, files=files) for clockwise in (1, 0)))
+    # without slip a second run is the same
+    return HEADER + ''.join(2 * row for row in rows), max(
+        math.dist(end[:2], end[2:]) for end in ends)
 
 
-def test_two_passes_of_umbmark_over_topics_leave_a_fiftieth_of_the_error(graph, tmp_path):
+@pytest.mark.ros
+@pytest.mark.slow
+def test_two_passes_of_umbmark_leave_a_fiftieth_of_the_error(ran, tmp_path):
     robot, true = tmp_path / 'robot.yaml', tmp_path / 'true.yaml'
     robot.write_text(ROBOT)
     true.write_text(TRUE)
     errors, found = [], []
     for number in range(3):
-        runs, largest = drive_squares(graph, robot, *found[-1:], true)
+        runs, largest = drive_squares(ran, robot, *found[-1:], true)
         errors.append(largest)
         measured, written = tmp_path / f'runs{number}.csv', tmp_path / f'found{number}.yaml'
         measured.write_text(runs)
-        calibrate = graph.start('calibrate', args=[
-            *GEOMETRY, *(part for file in found[-1:] for part in ('--params-file', str(file))),
-            '-p', f'square_runs:={measured}', '-p', f'square_side:={SIDE}',
-            '-p', f'output:={written}'])
-        assert calibrate.wait() == 0, calibrate.output
+        ran('calibrate', f'square_runs:={measured}', f'square_side:={SIDE}', f'output:={written}',
+            files=found[-1:])
         found.append(written)
         for_all = written.read_text().split('/**/')[0]  # runs that do not scatter say no slip
         assert 'wheel_radius' in for_all and 'slip_variance' not in for_all
@@ -111,33 +124,27 @@ def test_two_passes_of_umbmark_over_topics_leave_a_fiftieth_of_the_error(graph, 
     simulated.write_text(TRUE.split('/**/ground_truth')[0].replace('-0.005', '0.0').replace(
         '0.00495', '0.0') + '/**/ground_truth' + TRUE.split('/**/ground_truth')[1].replace(
         'wheel_separation_multiplier: 1.02, ', ''))
-    _, left = drive_squares(graph, robot, simulated, found[1])
+    _, left = drive_squares(ran, robot, simulated, found[1])
     assert left < errors[0] / 50.0
 
 
+@pytest.mark.ros
 @pytest.mark.slow
-def test_the_shipped_squares_are_calibrated_to_the_robot_that_they_ship_with(graph, tmp_path):
+def test_the_shipped_squares_are_calibrated_to_the_robot_that_they_ship_with(ran, tmp_path):
     config, lines = share_directory() / 'config', HEADER
     for clockwise in (1, 0):
         for seed in (1, 2, 3):
-            sim = graph.start('diffdrive_sim', args=[
-                '--ros-args', '--params-file', str(config / 'squares.yaml'),
-                '--params-file', str(config / 'true.yaml'), '-p', f'wheel_noise:seed:={seed}',
-                '-p', f'command_sequence:square_clockwise:={"true" if clockwise else "false"}'])
-            assert sim.wait() == 0, sim.output
-            end = end_positions(sim.output)
+            end, row = square(ran, clockwise, f'wheel_noise:seed:={seed}', files=[
+                config / 'squares.yaml', config / 'true.yaml'])
             assert end[2:] == pytest.approx([0.0, 0.0], abs=1e-3)  # it believes to be back
-            lines += ','.join(map(str, [clockwise, *end])) + '\n'
+            lines += row
     runs, written = tmp_path / 'runs.csv', tmp_path / 'found.yaml'
     runs.write_text(lines)
-    calibrate = graph.start('calibrate', args=[
-        *GEOMETRY, '-p', f'square_runs:={runs}', '-p', 'square_side:=1.0', '-p',
-        f'output:={written}'])
-    assert calibrate.wait() == 0, calibrate.output
+    output = ran('calibrate', f'square_runs:={runs}', 'square_side:=1.0', f'output:={written}')
     for name, truth in (('E_d', 1.002 / 0.998), ('E_b', 1.01)):
         value, error = map(float, re.search(
-            rf'^{name} \(.*\) +(\S+) +(\S+)$', calibrate.output, re.M).groups())
-        assert abs(value - truth) < 2.776 * error, calibrate.output  # Student's t of 95 %
+            rf'^{name} \(.*\) +(\S+) +(\S+)$', output, re.M).groups())
+        assert abs(value - truth) < 2.776 * error, output  # Student's t of 95 %
 
 
 @pytest.mark.parametrize('rows, words', [
@@ -180,23 +187,21 @@ def refused(capfd, monkeypatch, tmp_path):
     return see
 
 
-def test_a_file_that_exists_and_a_directory_that_does_not_are_refused(refused, graph, tmp_path):
+@pytest.mark.ros
+def test_a_file_that_exists_and_a_directory_that_does_not_are_refused(refused, ran, tmp_path):
     runs = tmp_path / 'runs.csv'
     runs.write_text('clockwise, true_x, true_y, odom_x, odom_y\n'  # as people type it
                     + '1, -0.03, -0.03, 0, 0\n' * 2 + '0, -0.01, 0.01, 0, 0\n' * 2)
-    square = f'square_runs:={runs}', 'square_side:=1.0'
-    refused('which exists', *square, f'output:={runs}')
-    refused('directory', *square, f'output:={tmp_path / "no" / "found.yaml"}')
-    refused('directory', *square, f'output:={runs / "found.yaml"}')
-    refused('directory', *square, f'output:={tmp_path}')
-    refused('picture is', *square, f'picture:={tmp_path / "no" / "found.png"}')
-    refused('another file than output', *square, *(
+    runs_of_it = f'square_runs:={runs}', 'square_side:=1.0'
+    refused('which exists', *runs_of_it, f'output:={runs}')
+    refused('directory', *runs_of_it, f'output:={tmp_path / "no" / "found.yaml"}')
+    refused('directory', *runs_of_it, f'output:={runs / "found.yaml"}')
+    refused('directory', *runs_of_it, f'output:={tmp_path}')
+    refused('picture is', *runs_of_it, f'picture:={tmp_path / "no" / "found.png"}')
+    refused('another file than output', *runs_of_it, *(
         f'{name}:={tmp_path / "found.png"}' for name in ('output', 'picture')))
     assert runs.read_text().startswith('clockwise')
-    calibrate = graph.start('calibrate', args=[
-        *GEOMETRY, '-p', square[0], '-p', square[1], '-p', f'output:={runs}', '-p',
-        'overwrite:=true'])
-    assert calibrate.wait() == 0
+    ran('calibrate', *runs_of_it, f'output:={runs}', 'overwrite:=true')
     assert 'left_bias' in runs.read_text()
 
 
@@ -228,6 +233,27 @@ def written_multipliers(text, node):
     return {name: float(re.search(rf'{name}: (\S+)', section)[1]) for name in TRUTH}
 
 
+def live_drive(graph, kind):
+    """Return what publishes a drive from a time [ns] on, once somebody listens."""
+    wheels, tracker = graph.publisher(JointState, 'joint_states'), graph.publisher(kind, 'tracker')
+
+    def drive(start_ns):
+        for time, (left, right), pose in drive_samples(40.0):
+            joints = JointState(name=JOINTS[::-1], position=[float(right), float(left)])
+            seen = kind()
+            for message in (joints, seen):
+                set_stamp(message, start_ns + round(time * 1e9))
+            at = seen.pose.pose if kind is Odometry else seen.pose
+            at.position.x, at.position.y = float(pose.x), float(pose.y)
+            at.orientation.z, at.orientation.w = (
+                math.sin(0.5 * pose.theta), math.cos(0.5 * pose.theta))
+            wheels.publish(joints)
+            tracker.publish(seen)
+            graph.executor.spin_once(timeout_sec=0.002)
+
+    return drive
+
+
 @pytest.mark.parametrize('reference_type, use_sim_time', [
     ('odometry', False), ('pose', False), ('pose', True)])
 def test_live_topics_are_collected_until_finish_is_called(
@@ -237,8 +263,7 @@ def test_live_topics_are_collected_until_finish_is_called(
         **KHEPERA, 'output': str(written), 'reference_type': reference_type,
         'reference_topic': 'tracker', 'use_sim_time': use_sim_time})
     kind = Odometry if reference_type == 'odometry' else PoseStamped
-    wheels = graph.publisher(JointState, 'joint_states')
-    tracker = graph.publisher(kind, 'tracker')
+    drive = live_drive(graph, kind)
     too_early = graph.call(Trigger, 'calibrate/finish', Trigger.Request())
     assert not too_early.success
     assert 'expected some' in too_early.message and 'still collecting' in too_early.message
@@ -246,19 +271,7 @@ def test_live_topics_are_collected_until_finish_is_called(
     if use_sim_time:
         set_time = graph.publisher(Clock, '/clock').publish
         set_time(Clock(clock=Time(sec=start // 10**9)))
-    for time, (left, right), pose in drive_samples(40.0):
-        joints = JointState(name=['right_wheel_joint', 'left_wheel_joint'],
-                            position=[float(right), float(left)])
-        seen = kind()
-        for message in (joints, seen):
-            set_stamp(message, start + round(time * 1e9))
-        at = seen.pose.pose if reference_type == 'odometry' else seen.pose
-        at.position.x, at.position.y = float(pose.x), float(pose.y)
-        at.orientation.z, at.orientation.w = (
-            math.sin(0.5 * pose.theta), math.cos(0.5 * pose.theta))
-        wheels.publish(joints)
-        tracker.publish(seen)
-        graph.executor.spin_once(timeout_sec=0.002)
+    drive(start)
     if use_sim_time:  # it passes once, and stands still from there on
         set_time(Clock(clock=Time(sec=start // 10**9 + 40)))
     graph.wait_for(lambda: 'deg turned' in calibrate.output, 'a line of what there is')
@@ -333,31 +346,16 @@ def test_a_collection_that_is_interrupted_writes_nothing(graph, tmp_path):
     assert not list(tmp_path.iterdir())
 
 
-@pytest.mark.parametrize('number, status', [
-    (signal.SIGINT, 0), (signal.SIGTERM, 0)], ids=['SIGINT', 'SIGTERM'])
+@pytest.mark.parametrize('number', [signal.SIGINT, signal.SIGTERM], ids=lambda each: each.name)
 def test_ctrl_c_finishes_a_live_calibration_and_the_end_of_a_system_does_not(
-        graph, tmp_path, number, status):
+        graph, tmp_path, number):
     written = tmp_path / 'found.yaml'
     calibrate = graph.start('calibrate', {
         **KHEPERA, 'output': str(written), 'reference_type': 'pose',
         'reference_topic': 'tracker'})
-    wheels = graph.publisher(JointState, 'joint_states')
-    tracker = graph.publisher(PoseStamped, 'tracker')
-    start = graph.now_ns()
-    for time, (left, right), pose in drive_samples(40.0):
-        joints = JointState(name=['left_wheel_joint', 'right_wheel_joint'],
-                            position=[float(left), float(right)])
-        seen = PoseStamped()
-        for message in (joints, seen):
-            set_stamp(message, start + round(time * 1e9))
-        seen.pose.position.x, seen.pose.position.y = float(pose.x), float(pose.y)
-        seen.pose.orientation.z, seen.pose.orientation.w = (
-            math.sin(0.5 * pose.theta), math.cos(0.5 * pose.theta))
-        wheels.publish(joints)
-        tracker.publish(seen)
-        graph.executor.spin_once(timeout_sec=0.002)
+    live_drive(graph, PoseStamped)(graph.now_ns())
     graph.wait_for(lambda: 'deg turned' in calibrate.output, 'a line of what there is')
-    assert calibrate.stop(number) == status
+    assert calibrate.stop(number) == 0
     if number == signal.SIGTERM:
         assert 'nothing is written' in calibrate.output and not written.exists()
         return
@@ -399,7 +397,9 @@ def files_of(directory, header, rows, poses):
     return f'recordings:=[{recording}]', f'references:=[{reference}]'
 
 
-def test_files_of_every_kind_of_motion_find_the_wheels(graph, tmp_path):
+@pytest.mark.ros
+@pytest.mark.slow
+def test_files_of_every_kind_of_motion_find_the_wheels(ran, tmp_path):
     samples = list(drive_samples(60.0))
     times = [time for time, _, _ in samples]
     angles = np.array([angle for _, angle, _ in samples])
@@ -418,26 +418,20 @@ def test_files_of_every_kind_of_motion_find_the_wheels(graph, tmp_path):
         written = tmp_path / 'found.yaml'
         settings = files_of(
             tmp_path, header, [(time, *row) for time, row in zip(times, columns)], poses)
-        calibrate = graph.start('calibrate', args=[*GEOMETRY, *(
-            part for each in (*settings, *more, f'output:={written}', 'overwrite:=true')
-            for part in ('-p', each))])
-        assert calibrate.wait() == 0, calibrate.output
+        ran('calibrate', *settings, *more, f'output:={written}', 'overwrite:=true')
         assert written_multipliers(written.read_text(), 'wheel_odometry') == pytest.approx(
             TRUTH, rel=2e-3), header
 
 
-@pytest.mark.quick
-def test_of_rows_with_one_stamp_the_last_wins_and_the_table_counts_them(graph, tmp_path):
+@pytest.mark.ros
+def test_of_rows_with_one_stamp_the_last_wins_and_the_table_counts_them(ran, tmp_path):
     samples = list(drive_samples(40.0))
     rows = [(time, *angles) for time, angles, _ in samples]
     rows.insert(200, (rows[200][0], 1e3, -1e3))
     settings = files_of(tmp_path, 'time_sec,left_position,right_position', rows,
                         [(time, *pose) for time, _, pose in samples])
     written = tmp_path / 'found.yaml'
-    calibrate = graph.start('calibrate', args=[*GEOMETRY, *(
-        part for each in (*settings, f'output:={written}') for part in ('-p', each))])
-    assert calibrate.wait() == 0, calibrate.output
-    assert '1 rows were replaced' in calibrate.output
+    assert '1 rows were replaced' in ran('calibrate', *settings, f'output:={written}')
     assert written_multipliers(written.read_text(), 'wheel_odometry') == pytest.approx(
         TRUTH, rel=3e-3)
 
@@ -463,15 +457,15 @@ def test_drives_that_allow_no_calibration_are_one_line_and_status_2(
     refused(words, *files_of(tmp_path, header, rows, poses))
 
 
-def test_a_recorded_robot_is_calibrated_and_its_picture_drawn(graph, tmp_path):
+@pytest.mark.ros
+@pytest.mark.slow
+def test_a_recorded_robot_is_calibrated_and_its_picture_drawn(ran, tmp_path):
     pytest.importorskip('matplotlib')
     written, picture = tmp_path / 'found.yaml', tmp_path / 'found.svg'
-    calibrate = graph.start('calibrate', args=[
-        '--ros-args', '-p', f'wheel_radius:={RADIUS}', '-p', f'wheel_separation:={SEPARATION}',
-        '-p', f'encoder_resolution:={TICKS_PER_TURN}', '-p', 'tick_increments:=true',
-        '-p', f"recordings:=[{', '.join(map(str, RUNS))}]", '-p', f'output:={written}',
-        '-p', f'picture:={picture}'])
-    assert calibrate.wait() == 0, calibrate.output
+    ran('calibrate', f'wheel_radius:={RADIUS}', f'wheel_separation:={SEPARATION}',
+        f'encoder_resolution:={TICKS_PER_TURN}', 'tick_increments:=true', f'output:={written}',
+        f"recordings:=[{', '.join(map(str, RUNS))}]", f'picture:={picture}',
+        geometry=['--ros-args'])
     assert picture.read_bytes().startswith(b'<?xml')
     found = written_multipliers(written.read_text(), 'wheel_odometry')
     assert found['wheel_separation_multiplier'] == pytest.approx(1.006, abs=0.003)
