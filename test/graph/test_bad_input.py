@@ -17,13 +17,14 @@
 import math
 
 from diffdrive_kinematics.nodes.diffdrive_sim import node_class
+from diffdrive_kinematics.nodes.simulated_base import SimulatedBase
 from diffdrive_kinematics.ros.parameters.configuration_error import ConfigurationError
 from geometry_msgs.msg import Twist, TwistStamped
 import pytest
 from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
 from rcl_interfaces.srv import GetParameters, SetParameters, SetParametersAtomically
 from sensor_msgs.msg import JointState
-from support.graph import JOINTS, KHEPERA, twist, twist_stamped
+from support.graph import arguments, JOINTS, KHEPERA, twist, twist_stamped
 from support.inside import initialised
 from support.stepped import last, messages, nodes, tell_wheels
 
@@ -84,6 +85,16 @@ REFUSED = [  # executable, parameters, words of the refusal
      ["odom_frame_id and base_frame_id are both 'base_link'", 'different frames']),
     ('simulated_base', {**KHEPERA, 'odom_topic': 'wheel_rates'},
      ["odom_topic is 'wheel_rates'", 'another topic']),
+    ('simulated_base', {**KHEPERA, 'odom_topic': 'bad-topic'},
+     ["odom_topic is 'bad-topic'", 'expected a topic name']),
+    ('robot_description', {**KHEPERA, 'output': 'robot.txt'},
+     ["output is 'robot.txt'", 'a .urdf or .yaml file']),
+    ('robot_description', {**KHEPERA, 'output': '/no/such/robot.urdf'},
+     ["output is '/no/such/robot.urdf'", 'a directory that can be written']),
+    ('robot_description', {**KHEPERA, 'wheel_width': 0.0}, ['wheel_width is 0.0', 'above 0']),
+    ('robot_description', {**KHEPERA, 'wheel_base': -1.0}, ['wheel_base is -1.0', '0 or above']),
+    ('robot_description', {**KHEPERA, 'right_wheel_names': ['left_wheel_joint']},
+     ['right_wheel_names', 'different joints']),
     ('command_sequence', {}, ['commands is []', 'one of them']),
     ('command_sequence', {'commands': [0.1, 0.2]}, ['commands has 2 numbers', 'three']),
     ('command_sequence', {'commands': [0.1, 0.0, 0.0]}, ['last 0 s', 'above 0']),
@@ -179,18 +190,15 @@ def test_geometry_can_be_changed_at_run_time_and_integers_are_accepted_for_doubl
         assert last(robot, 'wheel_rates').velocity[0] == pytest.approx(expected, rel=1e-12)
 
 
-def test_a_typo_in_the_yaml_is_reported_with_what_was_meant(graph, tmp_path):
-    params = tmp_path / 'robot.yaml'
-    params.write_text(
-        '/**:\n  ros__parameters:\n    wheel_radius: 0.021\n    wheel_separation: 0.0885\n'
-        '    wheel_seperation_multiplier: 1.1\n    open_loop: true\n    seed: 3\n')
-    controller = graph.start(CONTROLLER, args=['--ros-args', '--params-file', str(params)])
-    rates = graph.collect(JointState, 'wheel_rates')
-    graph.wait_for(lambda: rates, 'the controller')
-    assert "'wheel_seperation_multiplier' is ignored" in controller.output
-    assert "did you mean 'wheel_separation_multiplier'" in controller.output
-    assert "'open_loop' of ros2_controllers means nothing here" in controller.output
-    assert "'seed'" not in controller.output  # another node's
+@pytest.mark.ros
+def test_a_typo_in_the_yaml_is_reported_with_what_was_meant(diffdrive, capfd):
+    diffdrive(nodes(CONTROLLER), params={
+        **KHEPERA, 'wheel_seperation_multiplier': 1.1, 'open_loop': True, 'seed': 3})
+    output = capfd.readouterr().err
+    assert "'wheel_seperation_multiplier' is ignored" in output
+    assert "did you mean 'wheel_separation_multiplier'" in output
+    assert "'open_loop' of ros2_controllers means nothing here" in output
+    assert "'seed'" not in output  # another node's
 
 
 @pytest.mark.parametrize('stamped', [True, False])
@@ -230,32 +238,25 @@ def test_bad_wheel_motion_is_refused_and_moves_nothing(
     assert list(message.position) == list(message.velocity) == [0.0, 0.0]
 
 
-@pytest.mark.parametrize('parameters, extra, words', [
-    ({'odom_topic': 'bad-topic'}, [], "odom_topic is 'bad-topic', expected a topic name"),
-    ({'wheel_motion_topic': '/r/odom'}, ['-r', '__ns:=/r'], "hear itself on '/r/odom'")])
-def test_wiring_that_cannot_work_is_refused_once_names_are_resolved(
-        graph, parameters, extra, words):
-    base = graph.start('simulated_base', {**KHEPERA, **parameters}, *extra)
-    assert base.wait() == 2
-    assert words in base.output and 'Traceback' not in base.output
+@pytest.mark.ros
+def test_a_name_of_its_own_is_no_topic_to_hear_once_names_are_resolved():
+    args = arguments({**KHEPERA, 'wheel_motion_topic': '/r/odom'}, '-r', '__ns:=/r')
+    with initialised(args=args), pytest.raises(
+            ConfigurationError, match="hear itself on '/r/odom'"):
+        SimulatedBase()
 
 
-def test_an_empty_list_in_the_yaml_is_an_empty_list(graph, tmp_path):
-    params = tmp_path / 'course.yaml'
-    params.write_text('/**:\n  ros__parameters:\n    commands: [0.1, 0.0, 0.1]\n'
-                      '    wait_for_topics: []\n')
-    graph.collect(Twist, 'cmd_vel')
-    sequence = graph.start('command_sequence', args=['--ros-args', '--params-file', str(params)])
-    assert graph.wait_for(lambda: not sequence.running, 'the course') and sequence.wait() == 0
+@pytest.mark.ros
+def test_an_empty_list_in_the_yaml_is_an_empty_list(diffdrive):
+    robot = diffdrive(nodes('command_sequence'), params={
+        'commands': [0.1, 0.0, 0.1], 'wait_for_topics': []})
+    robot.listen(Twist, 'cmd_vel')
+    robot.advance(1.0)
+    assert 0.1 in {message.linear.x for message in messages(robot, 'cmd_vel')}
 
 
-def test_two_types_of_cmd_vel_in_one_process_are_refused_by_topic(graph, tmp_path):
-    params = tmp_path / 'mixed.yaml'
-    params.write_text(
-        '/**:\n  ros__parameters:\n    wheel_radius: 0.021\n    wheel_separation: 0.0885\n'
-        '    commands: [0.1, 0.0, 1.0]\n    nodes: [command_sequence, diff_drive_controller]\n'
-        'diff_drive_controller:\n  ros__parameters:\n    enable_stamped_cmd_vel: true\n')
-    sim = graph.start('diffdrive_sim', args=['--ros-args', '--params-file', str(params)])
-    assert sim.wait() == 2
-    assert "'/cmd_vel' cannot carry TwistStamped" in sim.output
-    assert 'Traceback' not in sim.output
+@pytest.mark.ros
+def test_two_types_of_cmd_vel_in_one_process_are_refused_by_topic(diffdrive):
+    with pytest.raises(ConfigurationError, match="'/cmd_vel' cannot carry TwistStamped"):
+        diffdrive(nodes('command_sequence', CONTROLLER, diff_drive_controller={
+            'enable_stamped_cmd_vel': True}), params={**KHEPERA, 'commands': [0.1, 0.0, 1.0]})

@@ -23,8 +23,9 @@ from diffdrive_kinematics.core.noise import CERTAIN, propagated_moments
 from geometry_msgs.msg import Twist
 from nav_msgs.msg import Odometry
 import pytest
-from sensor_msgs.msg import JointState
 from support.graph import CONFIG, KHEPERA, twist
+from support.stepped import last, messages, tell_wheels
+import yaml
 
 SIGNALS = [signal.SIGINT, signal.SIGTERM]
 EXECUTABLES = {
@@ -107,41 +108,30 @@ def test_a_simulation_without_a_sequence_says_how_to_drive_and_runs_until_asked_
     assert 'Traceback' not in sim.output
 
 
-def test_noisy_odom_has_the_noise_in_odom_itself(graph):
-    graph.start(
-        'diffdrive_sim', args=['--ros-args', '--params-file', str(CONFIG / 'noisy_odom.yaml')])
-    odometry = graph.collect(Odometry, 'odom')
-    commands = graph.publisher(Twist, 'cmd_vel')
-    graph.wait_for(lambda: commands.publish(twist(0.1, 0.0)) or (
-        odometry and odometry[-1].pose.pose.position.y != 0.0), 'drift')
+@pytest.mark.ros
+def test_noisy_odom_has_the_noise_in_odom_itself(diffdrive):
+    robot = diffdrive(CONFIG / 'noisy_odom.yaml')
+    robot.drive(0.1, 0.0, 0.5)
+    assert robot.odom.y != 0.0
 
 
-def test_robot_yaml_turns_the_robots_joint_states_into_odometry(graph):
-    graph.start(
-        'diffdrive_sim', args=['--ros-args', '--params-file', str(CONFIG / 'robot.yaml')])
-    odometry = graph.collect(Odometry, 'odom')
-    rates = graph.collect(JointState, 'wheel_rates')
-    joints = graph.publisher(JointState, 'joint_states')
-    message = JointState(name=['wheel_right_joint', 'wheel_left_joint'])
-    for position in ([5.0, 5.0], [6.0, 6.0]):
-        message.header.stamp = graph.node.get_clock().now().to_msg()
-        message.position = position
-        joints.publish(message)
-    moved = graph.wait_for(lambda: odometry and odometry[-1].pose.pose.position.x and odometry[-1],
-                           'odometry')
-    assert moved.pose.pose.position.x == pytest.approx(0.033, abs=1e-12)
-    assert moved.child_frame_id == 'base_footprint'
-    commands = graph.publisher(Twist, 'cmd_vel')
-    limit = pytest.approx(0.22 / 0.033, rel=1e-12)
-    graph.wait_for(lambda: commands.publish(twist(9.0, 0.0)) or (
-        rates and rates[-1].velocity[0] == limit), 'the limit')
-
-
-@pytest.mark.parametrize('attempt', range(3))
-def test_a_controller_that_is_asked_to_stop_leaves_the_wheels_at_zero(graph, attempt):
-    controller = graph.start('diff_drive_controller', {**KHEPERA, 'cmd_vel_timeout': 0.0})
-    rates = graph.collect(JointState, 'wheel_rates')
-    graph.publisher(Twist, 'cmd_vel').publish(twist(0.1, 0.0))
-    graph.wait_for(lambda: rates and any(rates[-1].velocity), 'the robot to drive')
-    assert controller.stop() == 0
-    graph.wait_for(lambda: list(rates[-1].velocity) == [0.0, 0.0], 'the last word')
+@pytest.mark.ros
+@pytest.mark.parametrize('space', ['', '/robot1'])
+def test_robot_yaml_turns_joint_states_into_odometry_and_limits_commands(diffdrive, space):
+    """Also in a namespace."""
+    config = yaml.safe_load((CONFIG / 'robot.yaml').read_text())
+    sim = config['/**/diffdrive_sim']['ros__parameters']
+    sim['nodes'] = [f'{name}:{space[1:]}/{name}' if space else name for name in sim['nodes']]
+    robot = diffdrive(config)
+    for position in (5.0, 6.0, 6.0):
+        tell_wheels(robot, [position, position], names=['wheel_right_joint', 'wheel_left_joint'],
+                    topic=f'{space}/joint_states')
+        robot.advance(0.2)
+    odometry = last(robot, f'{space}/odom')
+    assert odometry.pose.pose.position.x == pytest.approx(0.033, abs=1e-12)
+    assert odometry.child_frame_id == 'base_footprint'
+    for _ in range(30):
+        robot.publish(f'{space}/cmd_vel', twist(9.0, 0.0))
+        robot.advance(0.02)
+    rates = [message.velocity[0] for message in messages(robot, f'{space}/wheel_rates')]
+    assert rates[-1] == pytest.approx(0.22 / 0.033, rel=1e-12) and max(rates) <= 0.22 / 0.033

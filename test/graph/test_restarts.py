@@ -14,8 +14,6 @@
 
 """Processes that die and come back mid-drive, a second publisher, and clocks that jump."""
 
-from itertools import cycle
-from pathlib import Path
 import signal
 
 from diffdrive_kinematics.nodes.simulated_base import SimulatedBase
@@ -120,34 +118,15 @@ def test_a_course_on_simulated_time_takes_a_step_back_of_the_clock_as_no_time(di
     assert '[command_sequence]: the clock was stepped by -' in capfd.readouterr().err
 
 
-def test_limits_of_robot_yaml_hold_in_a_namespace(graph):
-    config = Path(__file__).parents[2] / 'config' / 'robot.yaml'
-    graph.start('diff_drive_controller', args=[
-        '--ros-args', '--params-file', str(config), '-r', '__ns:=/robot1'])
-    rates = graph.collect(JointState, '/robot1/wheel_rates')
-    commands = graph.publisher(Twist, '/robot1/cmd_vel')
-
-    def at_the_limit():
-        commands.publish(twist(9.0, 0.0))
-        return rates and rates[-1].velocity[0] == pytest.approx(0.22 / 0.033, rel=1e-12)
-
-    graph.wait_for(at_the_limit, 'full speed')
-    assert max(message.velocity[0] for message in rates) <= 0.22 / 0.033
-
-
-def test_the_watchdog_does_not_wait_for_the_next_repeat(graph):
-    graph.start('diff_drive_controller', {
+@pytest.mark.ros
+def test_the_watchdog_does_not_wait_for_the_next_repeat(diffdrive):
+    robot = diffdrive(nodes('diff_drive_controller'), params={
         **KHEPERA, 'publish_rate': 0.01, 'cmd_vel_timeout': 0.2})
-    rates = graph.collect(JointState, 'wheel_rates')
-    commands = graph.publisher(Twist, 'cmd_vel')
-
-    def driving():  # what it was told before is not repeated: we may not have heard that
-        commands.publish(twist(next(speeds), 0.0))
-        return rates and any(rates[-1].velocity)
-
-    speeds = cycle((SPEED, 0.9 * SPEED))
-    graph.wait_for(driving, 'the robot to drive')
-    graph.wait_for(lambda: not any(rates[-1].velocity), 'the stop')
+    robot.publish('cmd_vel', twist(SPEED, 0.0))
+    robot.advance(1.0)
+    drive, stop = robot.history('wheel_rates')[-2:]
+    assert any(drive.message.velocity) and not any(stop.message.velocity)
+    assert stop.time - drive.time == pytest.approx(0.2)
 
 
 def test_a_clock_that_follows_the_step_of_the_publishers_clock_moves_nothing():

@@ -254,8 +254,7 @@ def live_drive(graph, kind):
     return drive
 
 
-@pytest.mark.parametrize('reference_type, use_sim_time', [
-    ('odometry', False), ('pose', False), ('pose', True)])
+@pytest.mark.parametrize('reference_type, use_sim_time', [('odometry', False), ('pose', True)])
 def test_live_topics_are_collected_until_finish_is_called(
         graph, tmp_path, reference_type, use_sim_time):
     written = tmp_path / 'found.yaml'

@@ -81,36 +81,18 @@ def test_a_recording_is_played_at_its_times_and_the_last_of_duplicate_stamps_win
         0, 100_000_000, 250_000_000, 400_000_000]
 
 
-def test_a_loop_starts_again_without_a_gap(graph):
-    commands = graph.collect(TwistStamped, 'cmd_vel')
-    sequence = graph.start('command_sequence', {
-        'commands': [0.1, 0.0, 0.15, 0.2, 0.0, 0.1], 'enable_stamped_cmd_vel': True,
-        'loop': True})
-
-    def begins():
-        """Return when laps began; what was heard first may be from the middle of one."""
-        return [stamp_ns(message) for message, twist in changes(commands)[1:]
-                if twist == (0.1, 0.0)]
-
-    graph.wait_for(lambda: len(begins()) > 2, 'laps')
-    assert not any((b - a) % 250_000_000 for a, b in zip(begins(), begins()[1:]))
-    first = commands.index(changes(commands)[1][0])
-    assert all(message.twist.linear.x for message in commands[first:])  # no zero between laps
-    assert sequence.stop() == 0
-    graph.wait_for(lambda: changes(commands)[-1][1] == (0.0, 0.0), 'zero at the end')
-
-
-def test_a_lap_takes_the_time_of_its_commands(diffdrive):
+def test_a_lap_takes_the_time_of_its_commands_and_the_next_begins_without_a_gap(diffdrive):
     played = played_by(diffdrive, 2.0, commands=[0.1, 0.0, 0.15, 0.2, 0.0, 0.1], loop=True)
     begins = [stamp_ns(message) for message, twist in played if twist == (0.1, 0.0)]
     assert len(begins) == 8
     assert {b - a for a, b in zip(begins, begins[1:])} == {250_000_000}
+    assert all(twist[0] for _, twist in played[-16:])  # no zero between laps
 
 
-def test_zeros_are_sent_until_the_topics_to_wait_for_answer(graph):
+def test_zeros_are_sent_until_the_topics_to_wait_for_answer_and_at_the_end(graph):
     commands = graph.collect(TwistStamped, 'cmd_vel')
     sequence = graph.start('command_sequence', {
-        'commands': [0.1, 0.5, 600.0], 'enable_stamped_cmd_vel': True,
+        'commands': [0.1, 0.5, 600.0], 'enable_stamped_cmd_vel': True, 'loop': True,
         'wait_for_topics': ['odom']})
     graph.wait_for(lambda: len(commands) > 20, 'zeros')
     assert [twist for _, twist in changes(commands)] == [(0.0, 0.0)]
@@ -123,6 +105,7 @@ def test_zeros_are_sent_until_the_topics_to_wait_for_answer(graph):
 
     graph.wait_for(playing, 'the course')
     assert sequence.stop() == 0
+    graph.wait_for(lambda: changes(commands)[-1][1] == (0.0, 0.0), 'zero at the end')
 
 
 @pytest.mark.parametrize('content, words', [

@@ -151,15 +151,3 @@ def test_the_params_file_of_the_robot_is_not_written_over_unless_asked_to(graph,
     asked = graph.start('robot_description', args=[*args, '-p', 'overwrite:=true'])
     assert asked.wait() == 0, asked.output
     assert 'robot_description: |' in params.read_text()
-
-
-@pytest.mark.parametrize('name, value, words', [
-    ('output', 'robot.txt', 'a .urdf or .yaml file'),
-    ('output', '/no/such/robot.urdf', 'a directory that can be written'),
-    ('wheel_width', 0.0, 'above 0'), ('wheel_base', -1.0, '0 or above'),
-    ('right_wheel_names', ['left_wheel_joint'], 'different joints')])
-def test_what_cannot_be_described_is_refused(graph, name, value, words):
-    process = graph.start('robot_description', {**KHEPERA, name: value})
-    assert process.wait() == 2
-    assert name in process.output and words in process.output
-    assert 'Traceback' not in process.output

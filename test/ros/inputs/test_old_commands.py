@@ -101,6 +101,14 @@ def test_a_command_from_before_a_stop_that_was_carried_out_moves_nothing(robot_w
 
 
 @pytest.mark.ros
+def test_a_stamp_from_the_future_does_not_lock_out_what_follows(robot_with):
+    robot = robot_with()
+    for v, after_ns in ((SPEED, HOUR_NS), (-SPEED, 0)):
+        assert at(command(robot, v, after_ns=after_ns), v)
+        robot.advance(0.1)
+
+
+@pytest.mark.ros
 @pytest.mark.parametrize('offset', [3600.0, float('nan')])
 def test_clocks_that_are_known_to_be_apart_are_no_age(robot_with, capfd, offset):
     robot = robot_with(cmd_vel_clock_offset=offset)
