@@ -14,6 +14,7 @@
 
 """What executables say to the arguments of somebody who meets them for the first time."""
 
+from importlib import import_module
 import os
 import pty
 import shlex
@@ -23,10 +24,19 @@ import sys
 
 from diffdrive_kinematics.ros.parameters.package_share import share_directory
 from diffdrive_kinematics.ros.parameters.tables import TABLES
-from diffdrive_kinematics.ros.runtime.command_line import example_of, help_of
+from diffdrive_kinematics.ros.runtime.command_line import answer_arguments, example_of, help_of
 import pytest
 from support.graph import START
 from support.killing import kill
+
+
+def answered(name, args, capfd):
+    """Return the status, stdout and stderr of an executable that ends by its arguments alone."""
+    module = import_module(f'diffdrive_kinematics.nodes.{name}')
+    capfd.readouterr()
+    with pytest.raises(SystemExit) as ended:
+        answer_arguments(name, module.__doc__, [name, *args])
+    return ended.value.code, *capfd.readouterr()
 
 
 def test_the_demo_begins_with_what_it_does_and_ends_with_where_to_go_on(graph):
@@ -99,25 +109,40 @@ def test_a_terminal_sees_where_the_robot_is_and_a_file_does_not(graph):
     (['--params-file', 'x.yaml'], '--ros-args --params-file x.yaml'),
     (['-p', 'seed:=2'], '--ros-args -p seed:=2'), (['seed:=2'], '--ros-args -p seed:=2'),
     (['--ros-args', '-p', 'seed:=2', '--', '--what'], '--ros-args --params-file FILE')])
-@pytest.mark.parametrize('name', ['diffdrive_sim', 'calibrate'])
-def test_an_argument_that_is_not_for_ros_is_refused_with_the_form_that_works(
-        graph, name, args, form):
-    process = graph.start(name, args=args)
-    assert process.wait() == 2
-    line, = process.output.splitlines()
+def test_an_argument_that_is_not_for_ros_is_refused_with_the_form_that_works(capfd, args, form):
+    status, out, err = answered('calibrate', args, capfd)
+    assert status == 2 and not out
+    assert_refuses(err, 'calibrate', form)
+
+
+def assert_refuses(output, name, form):
+    line, = output.splitlines()
     assert line.startswith(f'{name}: ') and f'expected: {name} {form} ' in line
 
 
+def test_a_process_refuses_an_argument_before_it_does_anything_else(graph):
+    process = graph.start('diffdrive_sim', args=['config/x.yaml'])
+    assert process.wait() == 2
+    assert_refuses(process.output, 'diffdrive_sim', '--ros-args --params-file config/x.yaml')
+
+
 @pytest.mark.parametrize('name', TABLES)
-def test_help_names_what_must_be_set_and_an_example(graph, name):
-    process = graph.start(name, args=['--help'])
-    assert process.wait() == 0, process.output
-    assert process.output.startswith(f'{name}: ')
-    assert example_of(name) in process.output
+def test_help_names_what_must_be_set_and_an_example(capfd, name):
+    status, out, err = answered(name, ['--help'], capfd)
+    assert status == 0 and not err
+    assert out.startswith(f'{name}: ')
+    assert example_of(name) in out
     for entry in TABLES[name]:
-        assert (f'  {entry.name}: ' in process.output) == entry.required
+        assert (f'  {entry.name}: ' in out) == entry.required
         if entry.name.endswith('cmd_vel_topic'):
-            assert f'  {entry.name} (' in process.output
+            assert f'  {entry.name} (' in out
+
+
+def test_a_process_that_is_asked_for_help_gives_it_and_ends_with_0(graph):
+    process = graph.start('calibrate', args=['--help'])
+    assert process.wait() == 0, process.output
+    assert process.output.startswith('calibrate: ')
+    assert example_of('calibrate') in process.output
 
 
 @pytest.mark.parametrize('name, words', [
@@ -146,8 +171,8 @@ def test_the_example_of_the_help_runs(graph, name):
     ('command_sequence', ['-r', '__ns:=robot1'], "a namespace begins with '/'"),
     ('command_sequence', ['-r', '__ns:=/robot-1'], "letters, digits and '_'")])
 def test_what_is_set_wrongly_is_refused_without_advice_on_how_to_set_parameters(
-        graph, name, args, words):
-    process = graph.start(name, args=['--ros-args', *args])
+        here, name, args, words):
+    process = here(name, ['--ros-args', *args])
     assert process.wait() == 2
     assert words in process.output
     assert 'Set parameters' not in process.output and ', at /' not in process.output
@@ -159,17 +184,17 @@ def test_what_is_set_wrongly_is_refused_without_advice_on_how_to_set_parameters(
     ('/**:\n\tros__parameters:\n', 'spaces instead of tabs'),
     (None, 'a directory')])
 def test_a_file_that_is_no_params_file_is_refused_with_what_one_looks_like(
-        graph, tmp_path, text, words):
+        here, tmp_path, text, words):
     file = tmp_path / 'robot.yaml'
     file.mkdir() if text is None else file.write_text(text)
-    process = graph.start('simulated_base', args=['--ros-args', '--params-file', str(file)])
+    process = here('simulated_base', ['--ros-args', '--params-file', str(file)])
     assert process.wait() == 2
     assert words in process.output and ', at /' not in process.output
 
 
 @pytest.mark.parametrize('name', ['command_sequence', 'simulated_base'])
-def test_what_is_missing_is_refused_with_advice_on_how_to_set_parameters(graph, name):
-    process = graph.start(name, args=[])
+def test_what_is_missing_is_refused_with_advice_on_how_to_set_parameters(here, name):
+    process = here(name, [])
     assert process.wait() == 2
     assert ' is not set, expected ' in process.output and 'Set parameters' in process.output
     assert '..' not in process.output and '.;' not in process.output  # one sentence

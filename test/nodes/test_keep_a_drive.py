@@ -30,7 +30,6 @@ import numpy as np
 import pytest
 from support.driver import base, S
 from support.graph import KHEPERA
-from support.inside import Run
 
 pytestmark = pytest.mark.ros
 
@@ -39,13 +38,6 @@ FAST = ['--ros-args', '--params-file', str(CONFIG / 'demo.yaml'), '-p', 'real_ti
 BIAS = {'left': 0.004, 'right': -0.002}
 MATPLOTLIB = pytest.mark.skipif(
     importlib.util.find_spec('matplotlib') is None, reason='matplotlib is not installed')
-
-
-@pytest.fixture
-def here(capfd, monkeypatch):
-    """Return what runs an executable in this process: one of its own takes two seconds more."""
-    monkeypatch.setenv('RCUTILS_COLORIZED_OUTPUT', '0')
-    return lambda name, args: Run(name, args, capfd)
 
 
 def columns_of(file):

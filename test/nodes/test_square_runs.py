@@ -24,6 +24,8 @@ import pytest
 from support.graph import KHEPERA
 from support.inside import initialised
 
+pytestmark = pytest.mark.ros
+
 CONFIG = share_directory() / 'config'
 FILES = [part for name in ('squares.yaml', 'true.yaml')
          for part in ('--params-file', str(CONFIG / name))]
@@ -32,17 +34,18 @@ HEADER = ('clockwise,true_x,true_y,odom_x,odom_y,'
 TRUE_RATIO, TRUE_SEPARATION = 1.002 / 0.998, 1.01
 
 
-def simulated(graph, *settings, status=0):
+def simulated(here, *settings, status=0):
     """Return what the shipped robot of squares says with settings."""
-    sim = graph.start('diffdrive_sim', args=[
+    sim = here('diffdrive_sim', [
         '--ros-args', *FILES, *(part for each in settings for part in ('-p', each))])
     assert sim.wait() == status, sim.output
     return sim.output
 
 
-def test_one_command_drives_notes_and_calibrates_runs_both_ways(graph, tmp_path):
+@pytest.mark.slow
+def test_one_command_drives_notes_and_calibrates_runs_both_ways(here, tmp_path):
     runs, found = tmp_path / 'runs.csv', tmp_path / 'found.yaml'
-    said = simulated(graph, 'square_rounds:=5', f'square_runs:={runs}', f'calibration:={found}')
+    said = simulated(here, 'square_rounds:=5', f'square_runs:={runs}', f'calibration:={found}')
     clockwise, counterclockwise = read_square_runs(str(runs), 1.0)
     assert len(clockwise) == len(counterclockwise) == 5
     assert len({*clockwise, *counterclockwise}) == 10  # each run slips in its own way
@@ -51,7 +54,7 @@ def test_one_command_drives_notes_and_calibrates_runs_both_ways(graph, tmp_path)
             rf'^{name} \(.*\) +(\S+) +(\S+)$', said, re.M).groups())
         assert abs(value - truth) < 3.355 * error, said  # Student's t of 99 %
     assert f'wrote {found}' in said
-    calibrate = graph.start('calibrate', args=[
+    calibrate = here('calibrate', [
         '--ros-args', *(part for n, value in (
             *KHEPERA.items(), ('square_runs', runs), ('square_side', 1.0),
             ('output', tmp_path / 'again.yaml')) for part in ('-p', f'{n}:={value}'))])
@@ -60,10 +63,11 @@ def test_one_command_drives_notes_and_calibrates_runs_both_ways(graph, tmp_path)
     assert table in said  # it says the same of the same runs
 
 
-def test_a_run_is_added_to_the_runs_that_are_there(graph, tmp_path):
+@pytest.mark.slow
+def test_a_run_is_added_to_the_runs_that_are_there(here, tmp_path):
     runs = tmp_path / 'runs.csv'
     for number, clockwise in enumerate(('true', 'false', 'true'), start=1):
-        said = simulated(graph, f'square_runs:={runs}', f'wheel_noise:seed:={number}',
+        said = simulated(here, f'square_runs:={runs}', f'wheel_noise:seed:={number}',
                          f'command_sequence:square_clockwise:={clockwise}')
         assert re.search(rf'run 1 of 1, {"" if clockwise == "true" else "counter"}clockwise', said)
     assert [len(each) for each in read_square_runs(str(runs), 1.0)] == [2, 1]
@@ -88,27 +92,27 @@ def test_interrupted_runs_say_that_there_is_no_calibration_and_how_to_go_on(grap
     assert not found.exists()
 
 
-def test_a_file_of_something_else_is_refused_before_the_drive_and_stays(graph, tmp_path):
+def test_a_file_of_something_else_is_refused_before_the_drive_and_stays(here, tmp_path):
     other = tmp_path / 'runs.csv'
     other.write_text('time_sec,x\n1,2\n')
     assert 'expected a new file, or one with' in simulated(
-        graph, f'square_runs:={other}', status=2)
+        here, f'square_runs:={other}', status=2)
     assert other.read_text() == 'time_sec,x\n1,2\n'
 
 
-def test_runs_of_another_square_are_refused_before_the_drive(graph, tmp_path):
+def test_runs_of_another_square_are_refused_before_the_drive(here, tmp_path):
     runs = tmp_path / 'runs.csv'
     runs.write_text(text := f'{HEADER}\n1,0.01,0.02,0.0,0.0,2.0,0.0,0.021,0.021,0.0885\n')
-    said = simulated(graph, f'square_runs:={runs}', status=2)
+    said = simulated(here, f'square_runs:={runs}', status=2)
     assert 'row 1: square_side is 2 m and now 1 m' in said and ' s   belief' not in said
     assert runs.read_text() == text
 
 
 @pytest.mark.parametrize('name', ['record', 'square_runs', 'picture'])
-def test_a_pipe_is_refused_before_the_drive_where_a_file_has_to_be(graph, tmp_path, name):
+def test_a_pipe_is_refused_before_the_drive_where_a_file_has_to_be(here, tmp_path, name):
     pipe = tmp_path / ('runs.svg' if name == 'picture' else 'runs.csv')
     os.mkfifo(pipe)
-    said = simulated(graph, f'{name}:={pipe}', status=2)
+    said = simulated(here, f'{name}:={pipe}', status=2)
     assert f'{name} is' in said and 'a pipe or a device' in said and ' s   belief' not in said
 
 
@@ -119,17 +123,18 @@ def test_a_pipe_is_refused_before_the_drive_where_a_file_has_to_be(graph, tmp_pa
       'command_sequence:commands:=[0.1, 0.0, 1.0]'], 'square_side'),
     (['square_runs:=runs.csv', 'diffdrive_sim:nodes:=[command_sequence, diff_drive_controller, '
       'simulated_base]', 'command_sequence:wait_for_topics:=[odom]'], 'expected one robot')])
-def test_what_cannot_be_noted_is_refused_before_the_drive(graph, tmp_path, settings, words):
-    said = simulated(graph, *(
+def test_what_cannot_be_noted_is_refused_before_the_drive(here, tmp_path, settings, words):
+    said = simulated(here, *(
         each.replace('runs.csv', str(tmp_path / 'runs.csv')) for each in settings), status=2)
     assert words in said and ' s   belief' not in said
     assert not list(tmp_path.iterdir())
 
 
-def test_runs_that_do_not_scatter_are_warned_about_and_write_no_slip(graph, tmp_path):
+@pytest.mark.slow
+def test_runs_that_do_not_scatter_are_warned_about_and_write_no_slip(here, tmp_path):
     found = tmp_path / 'found.yaml'
     said = simulated(
-        graph, 'square_rounds:=2', f'square_runs:={tmp_path / "runs.csv"}',
+        here, 'square_rounds:=2', f'square_runs:={tmp_path / "runs.csv"}',
         f'calibration:={found}', 'wheel_noise:left_slip_variance:=0.0',
         'wheel_noise:right_slip_variance:=0.0')
     assert 'do not scatter' in said and 'seed' in said

@@ -20,6 +20,7 @@ calls their subscriptions back itself, so a message costs microseconds and its o
 """
 
 from contextlib import contextmanager
+from functools import partial
 from importlib import import_module
 from inspect import signature
 import os
@@ -108,15 +109,17 @@ def inside(make, parameters=None, *, name=None, args=None, quiet=False):
             held.node.destroy_node()
 
 
-def status_of(work, args):
-    """Do the work of an executable in a domain of its own; return its exit status."""
+def status_of(start, args):
+    """Start an executable in a domain of its own; return its exit status."""
     handlers = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
     before, argv = os.environ.get('ROS_DOMAIN_ID'), sys.argv
     try:
         with own_domain() as domain:
             os.environ['ROS_DOMAIN_ID'] = str(domain)
             sys.argv = ['test', *args]  # where nodes look for their params files, too
-            return run(work)
+            return start()
+    except SystemExit as ended:
+        return ended.code
     finally:
         sys.argv = argv
         os.environ.pop('ROS_DOMAIN_ID', None)
@@ -130,9 +133,10 @@ class Run:
     """A run of an executable in the process of the test, which has ended."""
 
     def __init__(self, name, args, capfd):
-        work = import_module(f'diffdrive_kinematics.nodes.{name}').work
+        module = import_module(f'diffdrive_kinematics.nodes.{name}')
+        work = getattr(module, 'work', None)
         capfd.readouterr()
-        self._status = status_of(work, args)
+        self._status = status_of(partial(run, work) if work else module.main, args)
         self.output = ''.join(capfd.readouterr())
 
     def wait(self):
