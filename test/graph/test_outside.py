@@ -32,6 +32,7 @@ clockwise,true_x,true_y,odom_x,odom_y
 0,0.02,-0.01,0,0
 0,0.021,-0.01,0,0
 """
+FAST = ['--ros-args', '-p', 'real_time_factor:=0.0']
 LOG_VARIABLES = 'ROS_LOG_DIR', 'ROS_HOME', 'HOME'
 
 
@@ -91,7 +92,7 @@ def assert_said_on_stderr(process, word):
 
 @WAYS
 def test_a_drive_goes_on_without_stdout_and_says_its_drift_on_stderr(outside, without_stdout):
-    demo = without_stdout(lambda **how: outside.run('diffdrive_sim', **how))
+    demo = without_stdout(lambda **how: outside.run('diffdrive_sim', *FAST, **how))
     assert_said_on_stderr(demo, DRIFT.pattern)
     assert ' of 24.0 s' not in demo.stderr  # that was of the moment
 
@@ -118,7 +119,7 @@ def test_plot_paths_draws_without_stdout(outside, without_stdout):
 def test_a_drive_goes_on_without_stderr(outside, how):
     """Nor does what it says of who hears it, where nothing is set about that, end it."""
     closes = {'full': '2>/dev/full', 'closed': '2>&-', 'with stdin closed': '<&- 2>&-'}[how]
-    demo = outside.run('diffdrive_sim', prefix=('sh', '-c', f'exec "$@" {closes}', 'sh'),
+    demo = outside.run('diffdrive_sim', *FAST, prefix=('sh', '-c', f'exec "$@" {closes}', 'sh'),
                        ROS_AUTOMATIC_DISCOVERY_RANGE='')
     assert demo.returncode == 0 and DRIFT.search(demo.stdout)
 
@@ -131,7 +132,7 @@ def test_an_error_without_stderr_is_in_the_exit_status(outside):
 
 
 def test_with_stdout_results_are_there_and_nowhere_else(outside):
-    demo = outside.run('diffdrive_sim')
+    demo = outside.run('diffdrive_sim', *FAST)
     assert demo.returncode == 0 and DRIFT.search(demo.stdout) and not DRIFT.search(demo.stderr)
 
 

@@ -30,8 +30,8 @@ from support.planners import ROBOT
 
 pytestmark = [pytest.mark.ros, pytest.mark.slow]
 
-DEADLINE_S = 30.0
-WORKERS = 4
+DEADLINE_S = 60.0
+WORKERS = 3
 TALK = f"""
 import sys
 
