@@ -25,7 +25,7 @@ from geometry_msgs.msg import Twist
 from nav_msgs.msg import Odometry
 import pytest
 from rcl_interfaces.srv import GetParameters
-from support.graph import CONFIG, KHEPERA, twist
+from support.graph import CONFIG, DEADLINE_S, KHEPERA, twist
 
 BROWSER = shutil.which('chromium') or shutil.which('chromium-browser')
 TRIES = 3
@@ -71,10 +71,11 @@ def browser():
     if not BROWSER:
         pytest.skip('chromium is not installed')
     with playwright.sync_playwright() as started:
-        opened = started.chromium.launch(executable_path=BROWSER, args=['--no-sandbox'])
-        yield opened
-        if opened.is_connected():
-            opened.close()
+        launched = started.chromium.launch(
+            executable_path=BROWSER, args=['--no-sandbox'], timeout=1e3 * DEADLINE_S)
+        yield launched
+        if launched.is_connected():
+            launched.close()
 
 
 def seen(page, name):
@@ -83,8 +84,14 @@ def seen(page, name):
 
 
 def look(robot, browser, **options):
+    return opened(browser, robot.address, **options)
+
+
+def opened(browser, address, **options):
+    """Return a page that is connected, and whose waits last as long as those of the graph."""
     page = browser.new_page(**options)
-    page.goto(robot.address)
+    page.set_default_timeout(1e3 * DEADLINE_S)
+    page.goto(address)
     page.wait_for_function('window.webView && webView.lost === false')
     return page
 
@@ -131,8 +138,8 @@ def test_no_words_on_the_map_cover_others(robot, browser):
     page.keyboard.down('w')
     robot.wait(lambda: seen(page, 'truth'), 'the poses')
     page.evaluate('webView.notice = "emergency stop: nobody serves ~/stop, ".repeat(2)')
-    page.wait_for_function('document.getElementById("dd-truth")?.textContent'
-                           ' && document.getElementById("dd-state").textContent')
+    page.wait_for_function('document.getElementById("dd-truth")?.textContent && document'
+                           '.getElementById("dd-state").textContent.includes(webView.notice)')
     for width, height in (1280, 800), (701, 800), (390, 844):
         page.set_viewport_size({'width': width, 'height': height})
         legend, state, fit = (page.locator(each).bounding_box() for each in (
@@ -267,7 +274,7 @@ def test_nothing_is_subscribed_to_while_nobody_looks(robot, browser):
 def asked(address, request):
     """Return the first line that is answered to a request of a WebSocket."""
     host, port = re.match(r'http://([^:]+):(\d+)', address).groups()
-    with socket.create_connection((host, int(port)), timeout=30.0) as connection:
+    with socket.create_connection((host, int(port)), timeout=DEADLINE_S) as connection:
         connection.sendall(request.format(host=f'{host}:{port}').encode())
         return connection.recv(100).decode().splitlines()[0]
 
@@ -333,9 +340,7 @@ def test_a_stop_that_nobody_serves_is_said_and_the_page_passes_nothing_on(graph,
         return commands and commands[-1].linear.x == 0.1
 
     graph.wait_for(passed_on, 'what is passed on')
-    page = browser.new_page()
-    page.goto(address)
-    page.wait_for_function('window.webView && webView.lost === false')
+    page = opened(browser, address)
     page.get_by_text('Emergency stop').click()
     graph.wait_for(lambda: 'nobody serves' in view.output, 'the report')
     graph.wait_for(lambda: 'nobody serves' in (seen(page, 'notice') or ''), 'the notice')

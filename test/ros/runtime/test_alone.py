@@ -17,7 +17,7 @@
 from pathlib import Path
 import re
 
-from diffdrive_kinematics.ros.runtime.alone import keep_to_this_machine, RANGE, REACH
+from diffdrive_kinematics.ros.runtime.alone import keep_to_this_machine, RANGE, REACH, UNNAMED
 from geometry_msgs.msg import Twist
 from nav_msgs.msg import Odometry
 import pytest
@@ -27,7 +27,9 @@ from support.graph import twist
 
 CONFIG = Path(__file__).parents[3] / 'config'
 DRIFT = re.compile(r'^drift.*$', re.M)
-TRIES = 3
+FACTORS = 4.0, 1.0, 1.0  # in seconds to find the other one: 6, 24, 24
+FAST = ['--ros-args', '-p', 'real_time_factor:=0.0']
+PUBLISHED_BY = rf"FATAL.*'/\w+' is published by (/\w+|{UNNAMED}) of another process"
 DRIVEN = """\
 /**:
   ros__parameters:
@@ -42,23 +44,24 @@ DRIVEN = """\
 
 def test_two_demos_in_one_domain_give_no_wrong_number(graph):
     """The second one sees the first, unless that one stands still while the other drives."""
-    alone = graph.start('diffdrive_sim', args=[])
+    alone = graph.start('diffdrive_sim', args=FAST)
     assert alone.wait() == 0
 
-    def both():
+    def both(factor):
+        """Start a demo beside one in real time; return its exit status."""
         first = graph.start('diffdrive_sim', args=['--ros-args', '-p', 'real_time_factor:=1.0'])
         graph.wait_for(lambda: ' 0.0 of 24.0 s' in first.output, 'the first to be on its way')
-        second = graph.start('diffdrive_sim', args=[])
+        second = graph.start(
+            'diffdrive_sim', args=['--ros-args', '-p', f'real_time_factor:={factor}'])
         for demo in (first, second):
             if demo.wait():
                 assert not DRIFT.search(demo.output)
-                assert re.search(
-                    r"FATAL.*'/\w+' is published by /\w+ of another process", demo.output)
+                assert re.search(PUBLISHED_BY, demo.output), demo.output
             else:  # the other one found it before it said anything
                 assert DRIFT.search(demo.output)[0] == DRIFT.search(alone.output)[0]
         return second.wait()
 
-    assert any(both() == 1 for _ in range(TRIES)), graph.outputs()
+    assert any(both(factor) == 1 for factor in FACTORS), graph.outputs()
 
 
 @pytest.mark.parametrize('message_type, topic', [
@@ -67,7 +70,11 @@ def test_two_demos_in_one_domain_give_no_wrong_number(graph):
 @pytest.mark.parametrize('when', ['before', 'during'])
 def test_another_publisher_of_what_the_nodes_say_to_each_other_ends_the_drive(
         graph, message_type, topic, when):
-    """Even one that says nothing: it may have said something before it was seen."""
+    """
+    Even one that says nothing: it may have said something before it was seen.
+
+    A demo that begins waits half a second for its name, which a busy machine may not tell by then.
+    """
     if when == 'before':
         graph.node.create_publisher(message_type, topic, 1)
     demo = graph.start('diffdrive_sim', args=['--ros-args', '-p', 'real_time_factor:=1.0'])
@@ -75,7 +82,9 @@ def test_another_publisher_of_what_the_nodes_say_to_each_other_ends_the_drive(
         graph.wait_for(lambda: ' 0.0 of 24.0 s' in demo.output, 'the demo to be on its way')
         graph.node.create_publisher(message_type, topic, 1)
     assert demo.wait() == 1, demo.output
-    assert f"'{topic}' is published by /test of another process" in demo.output
+    names = ['/test', *([UNNAMED] if when == 'before' else [])]
+    assert any(f"'{topic}' is published by {name} of another process" in demo.output
+               for name in names), demo.output
     assert 'Traceback' not in demo.output and not DRIFT.search(demo.output)
 
 
@@ -98,13 +107,13 @@ def test_a_stepped_robot_may_be_driven_from_outside(graph, tmp_path):
 
 
 def test_the_demo_is_heard_on_this_machine_only_and_says_so(graph):
-    demo = graph.start('diffdrive_sim', args=[], environment={RANGE: ''})
+    demo = graph.start('diffdrive_sim', args=FAST, environment={RANGE: ''})
     assert demo.wait() == 0
     assert len(re.findall('on this machine only; .*SUBNET', demo.output)) == 1
 
 
 def test_what_the_user_has_set_about_who_hears_the_demo_holds(graph):
-    demo = graph.start('diffdrive_sim', args=[])  # LOCALHOST is set
+    demo = graph.start('diffdrive_sim', args=FAST)  # LOCALHOST is set
     assert demo.wait() == 0
     assert 'this machine only' not in demo.output
 

@@ -31,7 +31,7 @@ from support.inside import initialised
 from support.once import obeyed_once
 
 TRIES = 3
-DEADLINE_S = 30.0
+DEADLINE_S = 60.0
 
 
 def wheel_rates(stamp, left, right):

@@ -29,7 +29,7 @@ from support.graph import KHEPERA
 from support.inside import initialised
 
 pytestmark = pytest.mark.ros
-DEADLINE_S = 20.0
+DEADLINE_S = 60.0
 
 
 @pytest.fixture

@@ -29,7 +29,7 @@ from support.domains import own_domain
 from support.graph import KHEPERA
 
 pytestmark = pytest.mark.ros
-DEADLINE_S = 20.0
+DEADLINE_S = 60.0
 GIVEN = [Parameter(name, value=value) for name, value in KHEPERA.items()]
 NO_TF = [*GIVEN, Parameter('enable_odom_tf', value=False)]
 
