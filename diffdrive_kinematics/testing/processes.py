@@ -58,6 +58,7 @@ class Process:
             self, command: Sequence[str], environment: Mapping[str, str], *, name: str,
             lockstep: bool, restless: bool = False) -> None:
         self.name, self.lockstep, self.restless = name, lockstep, restless
+        self.nodes: Set[str] = set()
         self._to_end = False
         self.shared_memory: Set[str] = set()
         self._file = tempfile.TemporaryFile(mode='w+')

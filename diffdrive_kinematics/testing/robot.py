@@ -192,13 +192,14 @@ class Robot(Topics):
 
         """
         words = check_command(command)
+        arrival = self._stepping.expect()
         process = Process(
             words, {**environment_of(self.domain), **(environment or {})},
             name=' '.join(Path(word).name for word in words), lockstep=lockstep,
             restless=restless)
         self._processes.append(process)
         self._guardian.guard(process.pid)
-        self._stepping.begin(process)
+        self._stepping.begin(process, arrival)
         self._guardian.sweep(process.note_shared_memory())
         self._guardian.note_own()  # it shares more with each process
         return process

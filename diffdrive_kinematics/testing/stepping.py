@@ -16,11 +16,12 @@
 
 from itertools import chain, repeat
 import time
-from typing import Any, Callable, Dict, List, Optional, Set
+from typing import Any, Callable, Dict, List, Optional
 
 from diffdrive_kinematics.ros.messages.messages import set_stamp
 from diffdrive_kinematics.ros.parameters.qos import reliable
 from diffdrive_kinematics.testing.acknowledgements import Acknowledgements
+from diffdrive_kinematics.testing.arrival import Arrival
 from diffdrive_kinematics.testing.at_rest import Rest, Threads
 from diffdrive_kinematics.testing.nodes import RobotNodes
 from diffdrive_kinematics.testing.processes import Process, ProcessFailed, sleepless
@@ -28,7 +29,7 @@ from rosgraph_msgs.msg import Clock
 
 __all__ = ['Stepping']
 
-DEADLINE_S = 20.0
+DEADLINE_S = REST_S = 20.0
 POLL_S = 0.02
 REST_POLL_S = 0.00005
 SOON, LATER = 0.7, 1.1  # parts of the time that it usually takes
@@ -36,9 +37,6 @@ COME_TO_REST = 'come to rest (one whose thread always works needs restless=True)
 REPEAT_S = 0.5
 SILENCE_S = 0.003
 """For how long nothing may come where this system does not tell whether a process is done."""
-
-STILL_S = 0.5
-"""For how long the graph may not change before such a process counts as ready."""
 
 
 class Stepping:
@@ -130,7 +128,7 @@ class Stepping:
             return
         began, usual_s = time.monotonic(), self._usual_s.get(moment, REST_POLL_S)
         pauses = chain([SOON * usual_s], repeat(REST_POLL_S))
-        self.wait(lambda: done(threads), COME_TO_REST, watched,
+        self.wait(lambda: done(threads), COME_TO_REST, watched, timeout=REST_S,
                   pause=lambda: time.sleep(next(pauses)),
                   suspects=lambda: sleepless(watched))
         self._usual_s[moment] = max(
@@ -170,30 +168,40 @@ class Stepping:
                     each.describe(f'did not {what} within {timeout:.0f} s') for each in names)
                     or f'the robot did not {what} within {timeout:.0f} s')
 
-    def begin(self, process: Process) -> None:
-        """Wait until a process is there, and all that it and the robot say is heard."""
+    def expect(self) -> Arrival:
+        """Note who is there, before a process is started."""
+        running = [each for each in self.processes if each.running]
+        self._acknowledgements.forget_all_but({each.name for each in running})
+        there, known = (set().union(*(each.nodes for each in some))
+                        for some in (running, self.processes))
+        return Arrival(self._observer, known - there)
+
+    def begin(self, process: Process, arrival: Arrival) -> None:
+        """Wait until a process is there, and it and the robot hear all that they say."""
         known = {each.name for each in self.processes if each.running}
         self.processes.append(process)
-        if process.lockstep:
-            self._acknowledgements.expect_newcomer(known)
-            self.wait(lambda: self._greeted(process, known),
-                      'call diffdrive_kinematics.testing.spin', [process], show=True)
-            self.wait(lambda: self._acknowledgements.ends_known(process.name), 'show its topics',
-                      [process])
-            self.wait(self.all_matched, 'be heard', [process])
-        else:
-            before = self._publisher.get_subscription_count()
-            self.wait(lambda: self._publisher.get_subscription_count() > before
-                      or not process.running, 'listen to /clock', [process], show=True)
-            self._await_still()
-        process.check()
 
-    def _greeted(self, process: Process, known: Set[str]) -> bool:
-        """Return whether a newcomer has acknowledged the time; it gets its node's name."""
+        def greeted() -> bool:
+            process.check()
+            name = self._acknowledgements.newcomer(known, self.clock.now_ns())
+            process.name = name or process.name
+            return bool(name)
+
+        if process.lockstep:
+            self.wait(greeted, 'call diffdrive_kinematics.testing.spin', [process], show=True)
+            listens, publishes = self._acknowledgements.ends_of(process.name)
+            self.wait(lambda: arrival.shows(listens, heard=True)
+                      and arrival.shows(publishes, heard=False), 'show its topics', [process])
+        else:
+            self.wait(lambda: arrival.shows(['/clock'], heard=True) or not process.running,
+                      'listen to /clock', [process], show=True)
+        self.wait(lambda: arrival.complete(self.all_matched(), process), 'come to rest',
+                  self.processes, show=True)
+        process.nodes = arrival.answered
+        arrival.close()
+        self._show()
+        self.rest(silence=True)
         process.check()
-        name = self._acknowledgements.newcomer(known, self.clock.now_ns())
-        process.name = name or process.name
-        return bool(name)
 
     def all_matched(self) -> bool:
         """Return whether all publishers of this process have all who listen in the graph."""
@@ -205,21 +213,6 @@ class Stepping:
             for publisher in self._messages.publishers) and all(
             each.get_publisher_count() >= observer.count_publishers(each.topic_name)
             for each in subscriptions)
-
-    def _await_still(self) -> None:
-        """Wait until all are matched and the graph has not changed for a while."""
-        seen, since = None, time.monotonic()
-
-        def still() -> bool:
-            nonlocal seen, since
-            now = [sorted(self._observer.get_topic_names_and_types()), sorted(
-                (topic, self._observer.count_subscribers(topic))
-                for topic, _ in self._observer.get_topic_names_and_types())]
-            if now != seen or not self.all_matched():
-                seen, since = now, time.monotonic()
-            return time.monotonic() - since > STILL_S
-
-        self.wait(still, 'come to rest', self.processes, show=True)
 
     def _be_silent(self) -> None:
         """Spin until nothing has come for a while."""

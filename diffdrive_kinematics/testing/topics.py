@@ -74,6 +74,7 @@ class Topics:
                 lambda: publisher.get_subscription_count() >= max(
                     1, self._observer.count_subscribers(name)),
                 f'find who listens to {topic!r}', [], timeout=HEARD_S)
+            self._stepping.rest(silence=True)  # they have found the publisher, too
         publisher.publish(message)
         if not publisher.wait_for_all_acked(Duration(seconds=HEARD_S)):
             raise AssertionError(f'who listens to {topic!r} did not get a message in {HEARD_S} s')

@@ -24,7 +24,7 @@ from diffdrive_kinematics.testing import Robot
 from geometry_msgs.msg import PoseStamped
 from support.planners import NOISE, ROBOT
 
-__all__ = ['BUSY', 'driven', 'other_work']
+__all__ = ['BUSY', 'driven', 'other_work', 'STEP_S']
 
 BUSY = 'while True: pass'
 GOAL = 0.3, 0.2

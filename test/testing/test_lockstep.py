@@ -24,18 +24,18 @@ import sys
 from types import SimpleNamespace
 from unittest.mock import ANY
 
-from diffdrive_kinematics.testing import stepping
+from diffdrive_kinematics.testing import arrival, stepping
 from diffdrive_kinematics.testing.at_rest import can_tell, Rest, Threads
 from diffdrive_kinematics.testing.processes import ProcessFailed, sleepless
 import pytest
-from support.closed_loop import BUSY, driven, other_work
+from support.closed_loop import BUSY, driven, other_work, STEP_S
 from support.planners import ROBOT
 
 pytestmark = [pytest.mark.ros, pytest.mark.skipif(
     not can_tell(), reason='this system does not tell what threads do')]
 
 AT_A_TIME = 2
-HANGS_S = 5.0  # after which a process that runs already counts as one that hangs
+HANGS_S = 5.0  # after which a process that is there counts as one that hangs
 WAITS = {'wait_for': 'cmd_vel'}
 
 
@@ -143,6 +143,44 @@ def test_who_only_has_to_do_at_times_is_not_named_beside_one_that_never_sleeps()
     assert sleepless([innocent]) == [innocent]
 
 
+def commands(robot):
+    """Return the steps of the clock at which the robot was commanded."""
+    return [round(each.time / STEP_S) for each in robot.history('cmd_vel')]
+
+
+def test_a_node_that_takes_long_to_start_misses_no_step(diffdrive, files, monkeypatch):
+    """Though all of its threads sleep, and the graph shows nothing new."""
+    path = files / 'loads_a_map.py'
+    path.write_text((files / 'my_planner.py').read_text().replace(
+        "super().__init__('my_planner')",
+        "super().__init__('my_planner')\n        time.sleep(2.0)").replace(
+        'import math', 'import math\nimport time'))
+    monkeypatch.setattr(arrival, 'SILENT_S', 60.0)  # however busy this machine is
+    robot = diffdrive(params=ROBOT)
+    robot.start_process([sys.executable, path])
+    robot.advance(10 * STEP_S)
+    assert commands(robot) == [*range(1, 11)]
+
+
+def test_what_a_node_says_when_it_hears_the_time_for_the_first_time_is_of_that_time(
+        diffdrive, files):
+    robot = diffdrive(params=ROBOT)
+    robot.advance(50 * STEP_S)
+    robot.start_process([sys.executable, files / 'my_planner.py'])
+    assert commands(robot) == [50]
+    robot.advance(10 * STEP_S)
+    assert commands(robot) == [*range(50, 61)]
+
+
+def test_a_node_that_is_started_again_under_its_name_misses_no_step(diffdrive, files):
+    robot, command = diffdrive(params=ROBOT), [sys.executable, files / 'my_planner.py']
+    for number in range(2):
+        process = robot.start_process(command)
+        robot.advance(10 * STEP_S)
+        assert commands(robot) == [*range(1, 11), *range(10, 21)][:10 + 11 * number]
+        process.kill()
+
+
 def test_a_node_that_hangs_is_named_though_it_tells_nothing(diffdrive, files, monkeypatch):
     path = files / 'hangs.py'
     path.write_text((files / 'my_planner.py').read_text().replace(
@@ -150,7 +188,7 @@ def test_a_node_that_hangs_is_named_though_it_tells_nothing(diffdrive, files, mo
     robot = diffdrive(params=ROBOT)
     innocent = robot.start_process([sys.executable, files / 'my_planner.py'])
     robot.start_process([sys.executable, path])
-    monkeypatch.setattr(stepping, 'DEADLINE_S', HANGS_S)
+    monkeypatch.setattr(stepping, 'REST_S', HANGS_S)
     with pytest.raises(ProcessFailed, match='hangs.py did not come to rest') as held:
         robot.advance(1.0)
     assert 'thinking' in str(held.value)
@@ -173,11 +211,10 @@ def test_a_node_that_never_rests_is_told_so_and_may_be_given_silence(
         diffdrive, files, monkeypatch):
     command = [sys.executable, files / 'never_rests.py']
     robot = diffdrive(params=ROBOT)
-    robot.start_process(command)
     with monkeypatch.context() as patch, pytest.raises(
             ProcessFailed, match='never_rests.py did not come to rest.*restless=True'):
-        patch.setattr(stepping, 'DEADLINE_S', HANGS_S)
-        robot.advance(1.0)
+        patch.setattr(stepping, 'REST_S', HANGS_S)
+        robot.start_process(command)
     other = diffdrive(params=ROBOT)
     other.start_process(command, restless=True)
     other.advance(1.0)
