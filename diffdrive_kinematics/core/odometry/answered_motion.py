@@ -42,6 +42,8 @@ class AnsweredMotion(NamedTuple):
         What is to be done later, in order of time.
     last : WheelSample or None
         The last command.
+    since_ns : int
+        From when on [ns] its rates were commanded; what came after it repeats them.
 
     Examples
     --------
@@ -61,6 +63,7 @@ class AnsweredMotion(NamedTuple):
     delay_ns: int
     waiting: Tuple[WheelSample, ...] = ()
     last: Optional[WheelSample] = None
+    since_ns: int = 0
 
     def update(self, sample: WheelSample) -> Tuple['AnsweredMotion', List[WheelSample]]:
         """
@@ -76,7 +79,9 @@ class AnsweredMotion(NamedTuple):
         motion : AnsweredMotion
             The state.
         due : list of WheelSample
-            What is done, in order of time; where time went back, all that waited is dropped.
+            What is done, in order of time.  A command that is stamped among the repeats of the
+            last one takes the place of those after it, and one of before is dropped, as bases do;
+            where time went back by more than a second, all that waited is dropped.
 
         Examples
         --------
@@ -84,17 +89,26 @@ class AnsweredMotion(NamedTuple):
 
         """
         now_ns, last = sample.stamp_ns, self.last
-        back = last is not None and now_ns < last.stamp_ns
-        waiting = () if back else self.waiting
-        commanded = self._commanded(sample, None if back else last)
+        waiting, since_ns = self.waiting, self.since_ns
+        if last is not None and now_ns < last.stamp_ns:
+            if since_ns - STEP_TOLERANCE_NS > now_ns:
+                waiting, last = (), None
+            elif sample.rates in (None, last.rates) or now_ns <= since_ns:
+                return self, []
+            else:
+                waiting = tuple(
+                    each for each in waiting if each.stamp_ns < now_ns + self.delay_ns)
+        if last is None or sample.rates != last.rates:
+            since_ns = now_ns
+        commanded = self._commanded(sample, last)
         if commanded is not None:
             waiting = (*waiting, WheelSample(
                 commanded[0] + self.delay_ns, self.answer(commanded[1]), source=sample.source))
         due = [each for each in waiting if each.stamp_ns <= now_ns]
         later = tuple(each for each in waiting if each.stamp_ns > now_ns)
-        if (last is None or back) and not due:
+        if last is None and not due:
             due = [WheelSample(now_ns, ZERO, source=sample.source)]
-        return self._replace(waiting=later, last=sample), due
+        return self._replace(waiting=later, last=sample, since_ns=since_ns), due
 
     def clock_stepped(self, step: ClockStep) -> 'AnsweredMotion':
         """
@@ -122,7 +136,7 @@ class AnsweredMotion(NamedTuple):
             return self
         return self._replace(
             waiting=tuple(_moved(each, step.step_ns) for each in self.waiting),
-            last=_moved(self.last, step.step_ns))
+            last=_moved(self.last, step.step_ns), since_ns=self.since_ns + step.step_ns)
 
     def configured(self, new: 'AnsweredMotion') -> 'AnsweredMotion':
         """
@@ -153,7 +167,8 @@ class AnsweredMotion(NamedTuple):
         moved = [_moved(each, shift) for each in self.waiting]
         over = [replace(each, stamp_ns=first) for each in moved if each.stamp_ns <= first]
         later = [each for each in moved if each.stamp_ns > first]
-        return new._replace(waiting=(*over[-1:], *later), last=self.last)
+        return new._replace(
+            waiting=(*over[-1:], *later), last=self.last, since_ns=self.since_ns)
 
     @staticmethod
     def _commanded(

@@ -14,7 +14,11 @@
 
 """A robot that follows late and otherwise than told: by stamps alone, whenever messages come."""
 
-from diffdrive_kinematics.core.odometry import AnsweredMotion, ClockStep, WheelSample
+from diffdrive_kinematics.core.noise import WheelSlip
+from diffdrive_kinematics.core.odometry import (
+    AnsweredMotion, ClockStep, SlipStream, Verdict, WheelSample)
+from hypothesis import given, strategies as st
+import numpy as np
 import pytest
 
 DELAY_NS, MS = 250_000_000, 1_000_000
@@ -78,6 +82,43 @@ def test_where_time_goes_back_what_waited_is_dropped():
     told, due = told.update(WheelSample(5, (3.0, 3.0)))
     assert [(each.stamp_ns, each.rates) for each in due] == [(5, (0.0, 0.0))]
     assert [each.rates for each in told.waiting] == [(6.0, 6.0)]
+
+
+def rolled_by(samples):
+    """Return the left angle that comes of samples, in the order in which they came."""
+    stream = SlipStream((0.1, 0.1), WheelSlip(), WheelSlip(), None)
+    generator = np.random.default_rng(1)
+    for sample in samples:
+        stream, _, verdict = stream.apply(sample, generator)
+        assert verdict is not Verdict.CLOCK_STEP
+    return stream.left.value
+
+
+@given(st.lists(
+    st.tuples(st.integers(-90, 60), st.sampled_from([0.0, 1.0, 1.0, 1.0, 2.0])), max_size=30))
+def test_a_command_that_was_overtaken_takes_no_other_one_with_it(steps):
+    """One stamped among repeats takes the place of those after it, one before them comes late."""
+    told, newest_ms = [WheelSample(0, (0.0, 0.0))], 0
+    for step, rate in steps:
+        stamp_ms = max(told[-1].stamp_ns // MS + 10 * step, newest_ms - 900, 1)
+        newest_ms = max(newest_ms, stamp_ms)
+        told.append(WheelSample(stamp_ms * MS, (rate, 0.0)))
+    told += [WheelSample((newest_ms + 1000 * number) * MS, (0.0, 0.0)) for number in (1, 2)]
+    motion, done = AnsweredMotion(doubled, DELAY_NS), []
+    for sample in told:
+        motion, due = motion.update(sample)
+        done += due
+    assert rolled_by(done) == pytest.approx(2.0 * rolled_by(told), abs=1e-9)
+
+
+def test_positions_that_were_overtaken_change_nothing():
+    done = {}
+    for stamps in ([0, 500, 1000, 1500, 2000], [0, 500, 1000, 900, 1500, 2000]):
+        told, done[len(stamps)] = AnsweredMotion(doubled, DELAY_NS), []
+        for stamp in stamps:
+            told, due = told.update(WheelSample(stamp * MS, None, (1e-3 * stamp, 0.0)))
+            done[len(stamps)] += due
+    assert done[5] == done[6]
 
 
 @pytest.mark.parametrize('other_ns', [0, 40 * MS, 150 * MS, 600 * MS])
