@@ -203,6 +203,8 @@ class StepWatch:
         """
         if self._simulated():
             now_ns, set_back_ns = self._now_ns(), self._set_back.total_ns
+            if self._steady_ns is not None:  # real time until now: from there the step is
+                self._set_back_ns = set_back_ns
             step = set_back_ns - self._set_back_ns or min(0, now_ns - self._last_ns)
             self._set_back_ns, self._steady_ns = set_back_ns, None
         else:

@@ -191,3 +191,23 @@ def test_a_process_that_is_held_up_and_a_clock_that_is_slewed_are_no_step(
             assert both.watch.now_and_step()[1] == 0
         both.wall += S // 2
         assert both.watch.now_and_step()[1] == 0
+
+
+@given(st.integers(1, 10**4), st.integers(1, 10**4))
+def test_between_two_simulated_clocks_the_step_is_that_from_the_wall_clock(first, second):
+    """What the first one had shown is of no account."""
+    simulated, shown, told = [True], [first * S], SetBack()
+    handle = SimpleNamespace(
+        get_ros_time_override_is_enabled=lambda: simulated[0],
+        get_now=lambda: SimpleNamespace(nanoseconds=shown[0]))
+    told.note(first * S)
+    watch = StepWatch(SimpleNamespace(handle=handle), told)
+    watch.now_and_step()
+    simulated[0] = False
+    wall_ns, _ = watch.now_and_step()
+    simulated[0], shown[0] = True, second * S
+    told.note(second * S)
+    assert watch.now_and_step() == (second * S, second * S - wall_ns)
+    told.note(second * S - MS)
+    shown[0] -= MS
+    assert watch.now_and_step()[1] == -MS
