@@ -26,6 +26,7 @@ from typing import (
 
 from diffdrive_kinematics.ros.parameters.configuration_error import ConfigurationError
 from diffdrive_kinematics.ros.parameters.descriptors import descriptor_of
+from diffdrive_kinematics.ros.parameters.other_units import report_other_units
 from diffdrive_kinematics.ros.parameters.parameter_spec import Kind, ParameterSpec
 from diffdrive_kinematics.ros.parameters.sections import (
     doubts, misplaced, params_files, sections_of, shadowed)
@@ -131,6 +132,7 @@ class ParameterSet(Generic[Config]):
         report_unknown(node, given, self.table)
         self._report_doubts(given, neighbours, argv)
         self.values, self.config = self._judge_start(given)
+        report_other_units(node, self.values, before={})
         node.add_pre_set_parameters_callback(self._in_their_types)
         node.add_on_set_parameters_callback(self._judge_change)
         node.add_post_set_parameters_callback(self._apply_change)
@@ -213,6 +215,7 @@ class ParameterSet(Generic[Config]):
         values, config = self._judge(changes)
         if values == self.values:
             return
+        report_other_units(self._node, values, self.values)
         self.values, self.config = values, config
         if self._on_change is not None:
             self._on_change(config)
