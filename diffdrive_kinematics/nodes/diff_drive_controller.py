@@ -63,16 +63,9 @@ class DiffDriveController(DiffDriveNode[Config]):
         self._out = WheelCommandPublisher(self, values)
         self.commands = CommandType(self, values)
         self._intake = CommandIntake(self, self.commands.stamped, self.commands.topic, values)
-        subscription = runtime.listen(
-            self.commands.message_type, values['cmd_vel_topic'], self._on_command, raw=True,
-            informed=True)
-        self._command_watch = PublisherWatch(
-            self, values['cmd_vel_topic'], subscription,
-            'the robot obeys whoever published last; put twist_mux between them')
-        # on stepped time all that was sent has come before the time goes on
-        self._backlog = None if runtime.is_stepped else Backlog(subscription)
+        self._command_watch = self._backlog = None  # until commands are heard
         self._stop = EmergencyStop(
-            self, values['emergency_stop_topic'], self._on_stop, self._on_release)
+            self, values['emergency_stop_topic'], self._on_stop, self._on_release, self._listen)
         self._timer = runtime.every(values['publish_rate'], self._tick)
         self._step_timer = OneShotTimer(runtime, self._step)
         self._watchdog: Any = None
@@ -82,6 +75,17 @@ class DiffDriveController(DiffDriveNode[Config]):
             self.get_logger().info(
                 'use_response is true: odometry needs the output of a wheel_noise with the same '
                 'response_* and no slip')
+
+    def _listen(self) -> None:
+        """Hear commands; until then a course finds nobody to begin for."""
+        topic = self.config.values['cmd_vel_topic']
+        subscription = self.runtime.listen(
+            self.commands.message_type, topic, self._on_command, raw=True, informed=True)
+        self._command_watch = PublisherWatch(
+            self, topic, subscription,
+            'the robot obeys whoever published last; put twist_mux between them')
+        if not self.runtime.is_stepped:  # else all that was sent has come before the time goes on
+            self._backlog = Backlog(subscription)
 
     def _on_command(self, message: bytes, info: MessageInfo = UNKNOWN) -> None:
         now_ns = self._synchronised_now()
@@ -223,13 +227,14 @@ class DiffDriveController(DiffDriveNode[Config]):
     def status(self, sample: RateSample) -> Status:
         """Return how commands come in and rates go out."""
         values, drive, topic = self.config.values, self._drive, self.commands.topic
+        watch = self._command_watch
         return Status({
             **self.health.statistics.values(sample.now_ns, 'command'),
             'achieved publish rate [Hz]': sample.rate, 'saturated': drive.saturated,
             'limited': drive.limited, 'timeouts': drive.timeouts,
             'old commands': self.counts['old commands'], **self._stop.values(),
-            'publishers of commands': self._command_watch.count}, [
-                *self._stop.problems(), *self._command_watch.problems(),
+            'publishers of commands': watch.count if watch else 0}, [
+                *self._stop.problems(), *(watch.problems() if watch else ()),
                 *self._intake.problems(),
                 *self.health.statistics.problems(
                     sample.now_ns, values['cmd_vel_timeout'], topic, at_rest=drive.rates == REST,

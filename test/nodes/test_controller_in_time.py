@@ -357,6 +357,16 @@ def test_a_stop_whose_publisher_says_nothing_holds_the_robot_for_a_moment_only(
     assert driven.speed() == pytest.approx(SPEED)
 
 
+def test_neither_a_slow_start_nor_a_stall_shortens_the_time_in_which_a_stop_may_come(robot):
+    driven = robot(WallClock, emergency_stop_topic='stop')
+    for _ in range(3):
+        driven.clock.advance_by(3 * S)
+        driven.wait(0.2, SPEED)
+    assert driven.speed() == 0.0
+    driven.wait(1.0, SPEED)
+    assert driven.speed() == pytest.approx(SPEED)
+
+
 def test_a_stop_that_says_it_is_off_lets_the_next_command_through_at_once(robot):
     driven = robot(WallClock, emergency_stop_topic='stop')
     driven.node._stop._on_topic(Bool(data=False))

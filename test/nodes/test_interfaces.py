@@ -24,6 +24,7 @@ from diffdrive_kinematics import executables
 from diffdrive_kinematics.ros.parameters.tables import TABLES
 from diffdrive_kinematics.ros.runtime.clocks import SteadyTimers
 import pytest
+from std_msgs.msg import Bool
 from support.graph import KHEPERA
 from support.inside import initialised
 import yaml
@@ -148,7 +149,10 @@ def made(name):
         node = kind(timers=SteadyTimers())
         node.listen()
         return node
-    return kind(timers=SteadyTimers())
+    node = kind(timers=SteadyTimers())
+    if name == 'diff_drive_controller':
+        node._stop._on_topic(Bool(data=False))  # it hears no commands before its stop says so
+    return node
 
 
 CASES = [(name, settings) for name in NODES if name != DRAWS for settings in conditions(name)]

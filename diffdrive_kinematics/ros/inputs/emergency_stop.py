@@ -14,7 +14,6 @@
 
 """The emergency stop of the controller: a topic, and services."""
 
-import time
 from typing import Any, Callable, Dict, List, Tuple
 
 from diffdrive_kinematics.ros.runtime.diagnostics import ERROR, Problem
@@ -23,16 +22,18 @@ from std_msgs.msg import Bool
 from std_srvs.srv import Trigger
 
 REPORT_PERIOD_S = 5.0
-NOBODY_S = 1.0  # since the start, for which a topic that nobody publishes may still be found
-LATCHED_S = 5.0  # and for which what a publisher has latched may be on its way
+LOOK_RATE = 10.0  # [Hz]
+# looks, which neither a slow start nor a stall makes: what came meanwhile is heard between them
+NOBODY = 10  # in which a topic that nobody publishes may still be found
+LATCHED = 50  # and in which what a publisher has latched may be on its way
 
 
 class EmergencyStop:
     """
     Is engaged while the topic last said so, or since ``~/stop`` was called until ``~/resume`` is.
 
-    What was latched on the topic comes after the first commands now and then.  So none is obeyed
-    until the topic has said something, or has had the time to.
+    What was latched on the topic comes after the first commands now and then.  So none is heard
+    until the topic has said something, or has had the time to, from the first spin on.
 
     Parameters
     ----------
@@ -44,19 +45,26 @@ class EmergencyStop:
         Called where it is engaged.
     on_release : callable
         Called before the stop is over.
+    on_known : callable
+        Called once commands may be heard: at once where nothing has to be awaited.
 
     """
 
     def __init__(
             self, node: Any, topic: str, on_stop: Callable[[], None],
-            on_release: Callable[[], None]) -> None:
+            on_release: Callable[[], None], on_known: Callable[[], None]) -> None:
         self._node, self._on_stop, self._on_release = node, on_stop, on_release
+        self._on_known = on_known
         self._topic = node.resolve_topic_name(topic) if topic else ''
         self._by: Tuple[str, ...] = ()
         self.engaged = False
         self.ignored = 0
-        self._began_s = time.monotonic()
+        self._looks = 0
         self._awaited = bool(topic) and not node.runtime.is_stepped
+        if self._awaited:
+            self._timer = node.runtime.every(LOOK_RATE, self._look, steadily=True)
+        else:
+            on_known()
         if topic:
             node.runtime.listen_to_any(Bool, topic, self._on_topic)
         node.runtime.serve(Trigger, '~/stop', self._on_stop_service)
@@ -64,11 +72,6 @@ class EmergencyStop:
 
     def holds(self) -> bool:
         """Return whether no command may be obeyed: it is engaged, or may be, unheard yet."""
-        if self._awaited and not self.engaged:
-            since_s = time.monotonic() - self._began_s
-            self._awaited = since_s < NOBODY_S or since_s < LATCHED_S and any(
-                each.qos_profile.durability == DurabilityPolicy.TRANSIENT_LOCAL
-                for each in self._node.get_publishers_info_by_topic(self._topic))
         return self.engaged or self._awaited
 
     def ignore(self) -> None:
@@ -91,9 +94,28 @@ class EmergencyStop:
     def _state(self) -> str:
         return f"stopped by {' and '.join(self._by)}"
 
+    def _look(self) -> None:
+        """Wait for the topic no longer than it may take."""
+        self._looks += 1
+        if self._looks == 1:
+            self._node.get_logger().info(
+                f"commands are heard as soon as '{self._topic}' has said something, or after "
+                f'{NOBODY / LOOK_RATE:.0f} s ({LATCHED / LOOK_RATE:.0f} s beside a latched '
+                'publisher of it)')
+        if self._looks >= LATCHED or self._looks >= NOBODY and not any(
+                each.qos_profile.durability == DurabilityPolicy.TRANSIENT_LOCAL
+                for each in self._node.get_publishers_info_by_topic(self._topic)):
+            self._know()
+
+    def _know(self) -> None:
+        if self._awaited:
+            self._awaited = False
+            self._node.runtime.stop_timer(self._timer)
+            self._on_known()
+
     def _on_topic(self, message: Bool) -> None:
-        self._awaited = False
         self._set(f"'{self._topic}'", message.data)
+        self._know()
 
     def _on_stop_service(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
         self._set('~/stop', True)

@@ -66,7 +66,7 @@ DIFF_DRIVE_CONTROLLER = (
     topic('cmd_vel_topic', 'cmd_vel', 'Subscribes to: velocity commands.'),
     topic('emergency_stop_topic', '', 'Subscribes to: the emergency stop (Bool), of any quality '
           'of service. At true the wheels stop at once, and no command is obeyed until it is '
-          'false. After the start none is obeyed for 1 s (5 s beside a latched publisher) until '
+          'false. After the start none is heard for 1 s (5 s beside a latched publisher) until '
           'it says something. Empty: only the services ~/stop and ~/resume are there.',
           optional=True),
     topic('wheel_rates_topic', 'wheel_rates', 'Publishes: wheel rates (JointState).'),
