@@ -63,12 +63,11 @@ class DiffDriveController(DiffDriveNode[Config]):
         self._out = WheelCommandPublisher(self, values)
         self.commands = CommandType(self, values)
         self._intake = CommandIntake(self, self.commands.stamped, self.commands.topic, values)
-        self._command_watch = self._backlog = None  # until commands are heard
+        self._watchdog = self._command_watch = self._backlog = None  # until there is one
         self._stop = EmergencyStop(
             self, values['emergency_stop_topic'], self._on_stop, self._on_release, self._listen)
         self._timer = runtime.every(values['publish_rate'], self._tick)
         self._step_timer = OneShotTimer(runtime, self._step)
-        self._watchdog: Any = None
         self._set_watchdog(self.config.drive.cmd_vel_timeout)
         self.parameters.on_change(self._configure)
         if values['use_response']:
@@ -132,6 +131,8 @@ class DiffDriveController(DiffDriveNode[Config]):
         return now_ns
 
     def _tick(self) -> None:
+        if self._intake.awaits_older(self._timer.timer_period_ns):
+            return
         now_ns = self._step()
         passed_ns = max(now_ns, self._drive.since_ns) - self._out.last_ns
         said = self.health.sent > self._sent_by_tick
@@ -227,13 +228,12 @@ class DiffDriveController(DiffDriveNode[Config]):
     def status(self, sample: RateSample) -> Status:
         """Return how commands come in and rates go out."""
         values, drive, topic = self.config.values, self._drive, self.commands.topic
-        watch = self._command_watch
         return Status({
             **self.health.statistics.values(sample.now_ns, 'command'),
             'achieved publish rate [Hz]': sample.rate, 'saturated': drive.saturated,
             'limited': drive.limited, 'timeouts': drive.timeouts,
             'old commands': self.counts['old commands'], **self._stop.values(),
-            'publishers of commands': watch.count if watch else 0}, [
+            'publishers of commands': watch.count if (watch := self._command_watch) else 0}, [
                 *self._stop.problems(), *(watch.problems() if watch else ()),
                 *self._intake.problems(),
                 *self.health.statistics.problems(

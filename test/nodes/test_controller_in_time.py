@@ -324,6 +324,23 @@ def test_what_waits_in_the_queue_when_a_stall_ends_is_heard_before_anything_is_e
     assert speeds and speeds == pytest.approx([SPEED] * len(speeds))
 
 
+def test_no_repeat_after_a_stall_overtakes_commands_that_were_due_in_it(robot):
+    driven = robot(
+        WallClock, enable_stamped_cmd_vel=True, stamp_tolerance=60.0, cmd_vel_timeout=0.0)
+    driven.wait(0.1)
+    began_ns = driven.clock.now_ns() + driven.clock.ahead_ns
+    driven.command(SPEED, began_ns)
+    driven.wait(0.5)
+    told = len(driven.told)
+    driven.clock.advance_by(2 * S)
+    driven.wait(0.05)
+    assert not driven.told[told:]
+    driven.command(-SPEED, began_ns + S)
+    assert driven.latest_ns() == began_ns + S
+    driven.wait(0.2)
+    assert driven.latest_ns() > began_ns + 2 * S and driven.speed() == pytest.approx(-SPEED)
+
+
 def publishers(robot, durability):
     """Let the controller know of a publisher of its stop, and not yet of what it says."""
     robot.node.get_publishers_info_by_topic = lambda topic: [

@@ -132,6 +132,47 @@ def test_a_recording_is_played_exactly_although_the_process_stands_still(graph, 
         assert yaw == pytest.approx(math.degrees(wrap_angle(pose.theta)), abs=6e-3)
 
 
+STALLED = """
+/**:
+  ros__parameters:
+    {wheel_radius: 0.021, wheel_separation: 0.0885, enable_odom_tf: false,
+     enable_stamped_cmd_vel: true, stamp_tolerance: 60.0, cmd_vel_timeout: 0.0}
+/**/command_sequence:
+  ros__parameters: {commands: [COMMANDS], wait_for_topics: [odom, truth]}
+/**/ground_truth:
+  ros__parameters:
+    {wheel_motion_topic: noisy_wheel_rates, odom_topic: truth, joint_states_topic: truth_joints}
+/**/diffdrive_sim:
+  ros__parameters:
+    nodes: [diff_drive_controller, wheel_noise, simulated_base, 'simulated_base:ground_truth',
+            command_sequence]
+"""
+
+
+def test_what_is_due_while_a_process_stands_still_on_real_time_is_driven_and_read(graph, tmp_path):
+    """The course ends meanwhile: its end is not that of what lies in queues."""
+    course = [(0.2, 0.0, 0.8), (0.1, 0.5, 0.5), (0.3, 0.0, 0.2), (0.2, -0.5, 0.2), (0.1, 0.0, 0.1)]
+    file = tmp_path / 'stalled.yaml'
+    file.write_text(STALLED.replace('COMMANDS', ', '.join(
+        str(value) for command in course for value in command)))
+    pose = Pose(0.0, 0.0, 0.0)
+    for v, w, seconds in course:
+        pose = advance(pose, v * seconds, w * seconds)
+    sim = graph.start('diffdrive_sim', args=['--ros-args', '--params-file', str(file)])
+    graph.wait_for(lambda: ' of 1.8 s ' in sim.output, 'the course')
+    sim.send(signal.SIGSTOP)
+    over = time.monotonic() + 2.0
+    graph.wait_for(lambda: time.monotonic() > over, 'the stall')
+    sim.send(signal.SIGCONT)
+    assert sim.wait() == 0, sim.output
+    found = re.findall(r'^(?:belief|truth) \(\S+\) +(\S+) +(\S+) +(\S+)$', sim.output, re.M)
+    assert len(found) == 2, sim.output
+    for x, y, yaw in (map(float, each) for each in found):
+        assert (x, y) == pytest.approx(pose[:2], abs=1e-4), sim.output
+        assert yaw == pytest.approx(math.degrees(wrap_angle(pose.theta)), abs=6e-3)
+    assert 'clock step' not in sim.output
+
+
 def test_a_recording_in_another_package_is_refused(graph):
     sequence = graph.start('command_sequence', {'recording': 'package://other/drive.csv'})
     assert sequence.wait() == 2

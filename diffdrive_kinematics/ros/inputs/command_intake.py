@@ -65,6 +65,7 @@ class CommandIntake:
         self._obeyed_ns = BEFORE_ALL_NS
         self._clocks, self._on_own_clock = SenderClocks(0), True
         self._stamps = StampWatch(node, topic, AHEAD)
+        self._asked_s, self._older_until_s = math.inf, 0.0
         self.configure(values)
         if 0.0 < values['cmd_vel_timeout'] < values['stamp_tolerance']:
             node.get_logger().warning(
@@ -131,6 +132,27 @@ class CommandIntake:
         if own_ns:
             self._obeyed_ns = max(self._obeyed_ns, min(own_ns, now_ns))
         return twist, stamp_ns, age_ns
+
+    def awaits_older(self, period_ns: int) -> bool:
+        """
+        Return whether commands may be on their way that hold from a time that is past.
+
+        They are for a moment after a stall, where stamps count: what was due meanwhile is sent
+        now, and a repeat of the rates would say before it that they were held until now.
+
+        Parameters
+        ----------
+        period_ns : int
+            Time [ns] after which this is asked again where nothing holds the process up.
+
+        """
+        now_s, before_s = time.monotonic(), self._asked_s
+        self._asked_s = now_s
+        if not self._tolerance_ns or self._node.runtime.is_stepped or self._node.time.is_simulated:
+            return False
+        if now_s - before_s > (period_ns + LATE_NS) / NANOSECONDS:
+            self._older_until_s = now_s + GRACE_S
+        return now_s < self._older_until_s
 
     def none_before(self, time_ns: int) -> None:
         """Obey no command to move that is stamped before a time [ns]."""

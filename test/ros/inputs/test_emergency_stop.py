@@ -123,7 +123,8 @@ COURSE = """
   ros__parameters:
     {wheel_radius: 0.021, wheel_separation: 0.0885, enable_odom_tf: false,
      enable_stamped_cmd_vel: true, stamp_tolerance: 60.0, cmd_vel_timeout: 0.0,
-     command_timeout: 0.0, emergency_stop_topic: stop, commands: [0.2, 0.0, 2.0]}
+     command_timeout: 0.0, emergency_stop_topic: stop, commands: [0.2, 0.0, 2.0],
+     wait_for_topics: [odom]}
 /**/diffdrive_sim:
   ros__parameters:
     nodes: [diff_drive_controller, simulated_base, command_sequence]
