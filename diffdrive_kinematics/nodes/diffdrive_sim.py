@@ -26,6 +26,7 @@ from diffdrive_kinematics.ros.runtime.alone import check_alone, Disturbed
 from diffdrive_kinematics.ros.runtime.clocks import SteadyTimers, SteppedClock
 from diffdrive_kinematics.ros.runtime.demo import run_or_demo
 from diffdrive_kinematics.ros.runtime.in_flight_messages import InFlightMessages
+from diffdrive_kinematics.ros.runtime.lasting import Lasting
 from diffdrive_kinematics.ros.runtime.node import DiffDriveNode
 from diffdrive_kinematics.ros.runtime.output import exit_status, report, show
 from diffdrive_kinematics.ros.runtime.running import finish, make_executor, spin, Stop
@@ -47,7 +48,6 @@ DISTURBED = 1  # exit status
 FAREWELL_S = 0.5
 PROGRESS_LINES = 10
 REST_TIMEOUT_NS = 5_000_000_000
-SETTLED_S, STALL_S = 0.3, 0.15
 
 
 class Config(NamedTuple):
@@ -99,8 +99,7 @@ class DiffDriveSim(DiffDriveNode[Config]):
         self._sequences = self._of('command_sequence')
         self._courses: List[DiffDriveNode] = [*self._sequences, *(
             node for node in self._of('goal_steering') if node.config.goals)]
-        self._shown, self._rest_by_ns = -1, 0
-        self._looked_s = self._rests_since_s = 0.0
+        self._shown, self._rest_by_ns, self._rest_lasts = -1, 0, Lasting()
         self.keeping = Keeping(lambda: moments_of(self._bases(), self._now_ns()), self._now_ns)
         self._live, self._began_s = LiveLine(), self._now_ns() / 1e9
 
@@ -186,18 +185,9 @@ class DiffDriveSim(DiffDriveNode[Config]):
             return False
         now_ns = self._courses[0].runtime.now_ns()
         self._rest_by_ns = self._rest_by_ns or now_ns + REST_TIMEOUT_NS
-        return self._lasts(now_ns > self._rest_by_ns or all(
-            base.reading().rates == (0.0, 0.0) for base in self._of(*BASES)))
-
-    def _lasts(self, rests: bool) -> bool:
-        """Return whether it rests for good: after a stall what is in queues is yet to be read."""
-        if self.clock_driver:
-            return rests
-        now_s, before_s = time.monotonic(), self._looked_s
-        self._looked_s = now_s
-        if not rests or now_s - before_s > STALL_S:
-            self._rests_since_s = now_s
-        return now_s - self._rests_since_s > SETTLED_S
+        rests = now_ns > self._rest_by_ns or all(
+            base.reading().rates == (0.0, 0.0) for base in self._of(*BASES))
+        return rests if self.clock_driver else self._rest_lasts(rests)
 
     def _show_progress(self, course: Any) -> None:
         shown = int(PROGRESS_LINES * course.elapsed_s() / course.length_s)
