@@ -19,7 +19,13 @@ Limits of velocity, acceleration and jerk, the bound of the wheel rates, the dri
 times out; how a robot follows its commands; who of several viewers drives; courses to drive:
 recordings and the square of UMBmark; and steering laws, which find the command from where the
 robot is: :class:`HeadingRegulator`, :class:`PointForward`, :class:`PoseController`, and
-:class:`PurePursuit` along :class:`Waypoints`.
+:class:`PurePursuit` along :class:`Waypoints`.  An order in which to read the files:
+
+* the drive: ``wheel_command``, ``drive_settings``, ``drive_state`` (its steps), ``drive`` (when);
+* what holds it back: ``limit_ranges`` and ``limits``, ``easing``, ``saturation``, ``ramp``;
+* how a robot follows: ``command_response``, ``turn_loss``; who drives: ``helm``;
+* courses: ``playback``, ``square_course``;
+* laws: ``steering``, ``steering_laws``, ``pose_controller``, ``waypoints``, ``pursuit``.
 """
 
 from diffdrive_kinematics.core.commands.command_response import CommandFor, CommandResponse
@@ -45,9 +51,9 @@ from diffdrive_kinematics.core.commands.wheel_command import STILL, Twist, Wheel
 
 __all__ = [
     'AxisLimits', 'CommandFor', 'CommandResponse', 'Course', 'Drive', 'DriveSettings',
-    'HeadingRegulator', 'Helm', 'Law', 'PointForward', 'PoseController', 'Progress',
-    'PurePursuit', 'PursuitCommand', 'QUARTER', 'RampStep', 'STILL', 'SaturatedRates',
-    'SquareRun', 'SteeringCommand', 'SteeringLimits', 'TimedTwist', 'Twist', 'Waypoints',
-    'WheelBound', 'WheelCommand', 'course_from_commands', 'course_from_recording', 'eased',
-    'largest_change', 'ramp_step', 'saturate', 'square_course', 'square_rounds',
-    'waypoints_from_poses', 'wheel_bound']
+    'HeadingRegulator', 'Helm', 'Law', 'PointForward', 'PoseController', 'Progress', 'PurePursuit',
+    'PursuitCommand', 'QUARTER', 'RampStep', 'STILL', 'SaturatedRates', 'SquareRun',
+    'SteeringCommand', 'SteeringLimits', 'TimedTwist', 'Twist', 'Waypoints', 'WheelBound',
+    'WheelCommand', 'course_from_commands', 'course_from_recording', 'eased',
+    'largest_change', 'ramp_step',
+    'saturate', 'square_course', 'square_rounds', 'waypoints_from_poses', 'wheel_bound']

@@ -33,11 +33,11 @@ from diffdrive_kinematics.core.kinematics.integration import (
 from diffdrive_kinematics.core.kinematics.jacobians import inverse_jacobian, jacobian
 from diffdrive_kinematics.core.kinematics.pose import (
     Array, between, compose, inverse, Pose, pose_rate, Scalar)
-from diffdrive_kinematics.core.kinematics.ranges import check_duration, check_length, check_rate
+from diffdrive_kinematics.core.kinematics.ranges import (
+    check_duration, check_length, check_rate, NANOSECONDS)
 from diffdrive_kinematics.core.kinematics.sequence import (
     check_times, Command, pose_after, poses_along, retraced)
 from diffdrive_kinematics.core.kinematics.turning import turning_centre, turning_radius
-from diffdrive_kinematics.core.kinematics.units import NANOSECONDS
 
 __all__ = [
     'Array', 'Command', 'LARGEST', 'NANOSECONDS', 'Number', 'Pose', 'RunningSum', 'Scalar',

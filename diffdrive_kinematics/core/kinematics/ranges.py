@@ -12,7 +12,10 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Checks of rates, durations and lengths against what they can be at all."""
+"""The unit of stamps; checks of rates, durations and lengths against what they can be at all."""
+
+NANOSECONDS = 1_000_000_000
+"""In a second.  Stamps are whole nanoseconds; everything else is in SI units."""
 
 
 def check_rate(name: str, value: float) -> float:

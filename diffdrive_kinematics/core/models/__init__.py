@@ -21,14 +21,16 @@ A :class:`ControlSystem` has states and commands with names, units and bounds, f
 command decides the twist, so they move along exact arcs.  :func:`augmented` makes a command a
 state with a bounded rate, again and again.  :func:`rolling_centre` finds the point about which
 wheels turn.  A :class:`Disturbance` of the commands makes :func:`sample_paths` and, where it is
-bounded, the :func:`reachable_boundary`.  All take arrays of robots as well as one.
+bounded, the :func:`reachable_boundary`.  All take arrays of robots as well as one.  An order in
+which to read the files: ``quantities``, ``system``, ``rolling``, ``robots`` and ``cars``,
+``augmentation``; ``disturbance``, ``transitions``; the set: ``reach``, by ``pieces``, ``stray``
+and ``mesh``; and ``wheels`` alone.
 """
 
 from diffdrive_kinematics.core.models.augmentation import Augmented, augmented
 from diffdrive_kinematics.core.models.cars import (
     ackermann_car, car, front_wheel_angles, least_turning_radius)
 from diffdrive_kinematics.core.models.disturbance import bounded, Disturbance, disturbed, Step
-from diffdrive_kinematics.core.models.paths import sample_paths
 from diffdrive_kinematics.core.models.quantities import Quantity
 from diffdrive_kinematics.core.models.reach import reachable_boundary
 from diffdrive_kinematics.core.models.robots import (
@@ -36,7 +38,7 @@ from diffdrive_kinematics.core.models.robots import (
 from diffdrive_kinematics.core.models.rolling import Rolling
 from diffdrive_kinematics.core.models.system import admitted, check_command, ControlSystem, Vector
 from diffdrive_kinematics.core.models.transitions import (
-    transition, transition_euler, transition_runge_kutta)
+    sample_paths, transition, transition_euler, transition_runge_kutta)
 from diffdrive_kinematics.core.models.wheels import Motion, rolling_centre, RollingCentre, Wheel
 
 __all__ = [

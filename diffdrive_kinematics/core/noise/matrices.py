@@ -14,8 +14,6 @@
 
 """Stacks of the 3x3 matrices by which errors of (x, y, theta) turn and swing with a motion."""
 
-from typing import Tuple
-
 from diffdrive_kinematics.core.kinematics import Array
 import numpy as np
 
@@ -76,51 +74,3 @@ def pose_jacobians(x: Array, y: Array) -> Array:
     matrix[:, [0, 1, 2], [0, 1, 2]] = 1.0
     matrix[:, 0, 2], matrix[:, 1, 2] = -y, x
     return matrix
-
-
-def gathered(added: Tuple[Array, ...], cosine: Array, sine: Array, x: Array, y: Array) -> Array:
-    """
-    Return the sum of covariances that arcs add, each swung by the motion that follows it.
-
-    It is the sum of ``J R A R^T J^T`` over the arcs, with R of :func:`rotations` and J of
-    :func:`pose_jacobians`, entry by entry: a stack of small products is ten times slower.
-
-    Parameters
-    ----------
-    added : tuple of numpy.ndarray, shape (..., n)
-        Entries xx, xy, xt, yy, yt, tt of each arc's A, in the axes of its direction.
-    cosine, sine : numpy.ndarray, shape (n,)
-        Of the directions of the arcs.
-    x, y : numpy.ndarray, shape (n,)
-        The motion [m] after each arc.
-
-    Returns
-    -------
-    numpy.ndarray, shape (..., 3, 3)
-        The covariances of (x [m], y [m], theta [rad]) at the end.
-
-    Examples
-    --------
-    An error of the heading of 1e-4 rad^2 and a metre along x after it:
-
-    >>> zero, one = np.zeros(1), np.ones(1)
-    >>> gathered((zero, zero, zero, zero, zero, 1e-4 * one), one, zero, one, zero)
-    array([[0.    , 0.    , 0.    ],
-           [0.    , 0.0001, 0.0001],
-           [0.    , 0.0001, 0.0001]])
-
-    """
-    xx, xy, xt, yy, yt, tt = added
-    both, along, across = cosine * sine, cosine * cosine, sine * sine
-    mixed = 2.0 * both * xy
-    turned_xy = both * (xx - yy) + (along - across) * xy
-    xx, yy = along * xx - mixed + across * yy, across * xx + mixed + along * yy
-    xt, yt = cosine * xt - sine * yt, sine * xt + cosine * yt
-    total = np.empty((*tt.shape[:-1], 3, 3))
-    total[..., 0, 0] = (xx - y * (2.0 * xt - y * tt)).sum(axis=-1)
-    total[..., 1, 1] = (yy + x * (2.0 * yt + x * tt)).sum(axis=-1)
-    total[..., 2, 2] = tt.sum(axis=-1)
-    total[..., 0, 1] = total[..., 1, 0] = (turned_xy + x * xt - y * yt - x * y * tt).sum(axis=-1)
-    total[..., 0, 2] = total[..., 2, 0] = (xt - y * tt).sum(axis=-1)
-    total[..., 1, 2] = total[..., 2, 1] = (yt + x * tt).sum(axis=-1)
-    return total

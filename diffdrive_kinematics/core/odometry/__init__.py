@@ -17,13 +17,22 @@ From messages about wheels to a pose at any time.
 
 Wheel motion from stamped rates and positions, encoders that wrap around, the odometry that
 evaluates one exact arc from its last anchor, slip on a stream of wheel motion; and checks of what
-drivers say: their clocks, velocities, several publishers, several wheels of a side.
+drivers say: their clocks, velocities, several publishers, several wheels of a side.  An order in
+which to read the files:
+
+* messages: ``wheel_sample``, ``encoders``, ``timeouts``;
+* the wheels between two messages: ``wheel_motion``, ``motion_evidence``, ``motion_update``;
+* over time: ``wheel_state`` and ``wheel_track``, on the ``clock_offset`` of a ``sender_clock``;
+* after positions of a driver: ``rate_window``, ``velocity_check``, ``measured_state`` and
+  ``measured_wheels``;
+* the pose: ``anchor``, ``odometry_state`` and ``odometry``, ``history``;
+* who speaks: ``source`` and ``sources``, ``sender_clocks``, ``joint_assembly``, ``wheel_side`` by
+  ``wheel_comparison``;
+* streams of wheel motion: ``slip_stream``, ``answered_motion``.
 """
 
-from diffdrive_kinematics.core.odometry.anchor import Anchor
+from diffdrive_kinematics.core.odometry.anchor import Anchor, BaseState
 from diffdrive_kinematics.core.odometry.answered_motion import AnsweredMotion
-from diffdrive_kinematics.core.odometry.base_state import BaseState
-from diffdrive_kinematics.core.odometry.clock_step import ClockStep, NO_STEP
 from diffdrive_kinematics.core.odometry.encoders import Encoder, PositionTrack, wrapped_increment
 from diffdrive_kinematics.core.odometry.history import OdometryHistory
 from diffdrive_kinematics.core.odometry.joint_assembly import Assembled, Assembly, JointReading
@@ -39,7 +48,7 @@ from diffdrive_kinematics.core.odometry.slip_stream import SlipStream
 from diffdrive_kinematics.core.odometry.source import JointMessage, Source
 from diffdrive_kinematics.core.odometry.sources import Sources
 from diffdrive_kinematics.core.odometry.timeouts import (
-    step_tolerance, timeout_from_seconds, tolerance_of)
+    ClockStep, NO_STEP, step_tolerance, timeout_from_seconds, tolerance_of)
 from diffdrive_kinematics.core.odometry.velocity_check import Mismatch, VelocityCheck
 from diffdrive_kinematics.core.odometry.wheel_comparison import Disagreement, mean_of
 from diffdrive_kinematics.core.odometry.wheel_motion import (

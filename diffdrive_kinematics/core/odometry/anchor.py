@@ -12,15 +12,21 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The pose at the anchor, with compensated sums, so that a day of driving loses no digits."""
+"""
+The base at one time: the pose at the anchor, and what is said of the base at any time.
+
+The pose is kept in compensated sums, so that a day of driving loses no digits.
+"""
 
 import math
-from typing import NamedTuple, Optional
+from typing import NamedTuple, Optional, Tuple
 
 from diffdrive_kinematics.core.kinematics import (
     check_finite, displacement, Pose, RunningSum, wrap_angle)
 from diffdrive_kinematics.core.noise import (
-    CERTAIN, NO_COVARIANCE, NO_SESSION, PoseCovariance, PoseMoments, SessionBelief, SessionSpread)
+    CERTAIN, NO_COVARIANCE, NO_SESSION, PoseCovariance, PoseMoments, SessionBelief,
+    SessionSpread)
+from diffdrive_kinematics.core.odometry.wheel_sample import WheelPair
 
 
 class Anchor(NamedTuple):
@@ -208,3 +214,32 @@ class Anchor(NamedTuple):
 def _heading(theta: RunningSum) -> float:
     high, low = theta
     return math.remainder(high, math.tau) + low
+
+
+class BaseState(NamedTuple):
+    """
+    The base at one time.
+
+    Parameters
+    ----------
+    pose : Pose
+        Where it is [m, m, rad]; theta in (-pi, pi].
+    twist : pair of float
+        Forward speed v [m/s] and yaw rate w [rad/s].
+    angles : pair of float
+        Wheel angles (left, right) rolled since the start [rad].
+    rates : pair of float
+        Wheel rates (left, right) [rad/s].
+
+    Examples
+    --------
+    >>> state = BaseState(Pose(1.0, 0.0, 0.0), (0.5, 0.0), angles=(8.0, 8.0), rates=(4.0, 4.0))
+    >>> state.pose.x
+    1.0
+
+    """
+
+    pose: Pose
+    twist: Tuple[float, float]
+    angles: WheelPair
+    rates: WheelPair

@@ -23,8 +23,7 @@ from dataclasses import replace
 from typing import Callable, List, NamedTuple, Optional, Tuple
 
 from diffdrive_kinematics.core.kinematics import NANOSECONDS
-from diffdrive_kinematics.core.odometry.clock_step import ClockStep
-from diffdrive_kinematics.core.odometry.timeouts import STEP_TOLERANCE_NS
+from diffdrive_kinematics.core.odometry.timeouts import ClockStep, STEP_TOLERANCE_NS
 from diffdrive_kinematics.core.odometry.wheel_sample import WheelPair, WheelSample, ZERO
 
 

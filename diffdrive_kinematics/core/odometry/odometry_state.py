@@ -26,8 +26,7 @@ from diffdrive_kinematics.core.kinematics import (
 from diffdrive_kinematics.core.noise import (
     arc_moments, BodySlip, CERTAIN, followed, NO_BODY_SLIP, NO_COVARIANCE, PoseCovariance,
     PoseMoments, second_moment_after, slip_on_arc)
-from diffdrive_kinematics.core.odometry.anchor import Anchor
-from diffdrive_kinematics.core.odometry.base_state import BaseState
+from diffdrive_kinematics.core.odometry.anchor import Anchor, BaseState
 from diffdrive_kinematics.core.odometry.measured_wheels import MeasuredWheels
 from diffdrive_kinematics.core.odometry.sender_clock import SenderClock
 from diffdrive_kinematics.core.odometry.wheel_motion import WheelMotion

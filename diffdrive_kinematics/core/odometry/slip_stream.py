@@ -28,9 +28,8 @@ from diffdrive_kinematics.core.kinematics import RunningSum
 from diffdrive_kinematics.core.noise import (
     body_variances, BodySlip, draw_unit, effective_ratio, NO_BODY_SLIP, sample_travel,
     SessionError, travel_in_session, WheelSlip)
-from diffdrive_kinematics.core.odometry.clock_step import ClockStep
 from diffdrive_kinematics.core.odometry.motion_update import update_motion
-from diffdrive_kinematics.core.odometry.timeouts import step_tolerance
+from diffdrive_kinematics.core.odometry.timeouts import ClockStep, step_tolerance
 from diffdrive_kinematics.core.odometry.wheel_motion import baseline, rolled, shifted, WheelMotion
 from diffdrive_kinematics.core.odometry.wheel_sample import Verdict, WheelPair, WheelSample, ZERO
 import numpy as np
