@@ -31,7 +31,7 @@ robot is: :class:`HeadingRegulator`, :class:`PointForward`, :class:`PoseControll
 from diffdrive_kinematics.core.commands.command_response import CommandFor, CommandResponse
 from diffdrive_kinematics.core.commands.drive import Drive
 from diffdrive_kinematics.core.commands.drive_settings import DriveSettings
-from diffdrive_kinematics.core.commands.easing import eased, largest_change
+from diffdrive_kinematics.core.commands.easing import largest_change
 from diffdrive_kinematics.core.commands.helm import Helm
 from diffdrive_kinematics.core.commands.limits import AxisLimits
 from diffdrive_kinematics.core.commands.playback import (
@@ -54,6 +54,5 @@ __all__ = [
     'HeadingRegulator', 'Helm', 'Law', 'PointForward', 'PoseController', 'Progress', 'PurePursuit',
     'PursuitCommand', 'QUARTER', 'RampStep', 'STILL', 'SaturatedRates', 'SquareRun',
     'SteeringCommand', 'SteeringLimits', 'TimedTwist', 'Twist', 'Waypoints', 'WheelBound',
-    'WheelCommand', 'course_from_commands', 'course_from_recording', 'eased',
-    'largest_change', 'ramp_step',
+    'WheelCommand', 'course_from_commands', 'course_from_recording', 'largest_change', 'ramp_step',
     'saturate', 'square_course', 'square_rounds', 'waypoints_from_poses', 'wheel_bound']

@@ -36,8 +36,7 @@ from diffdrive_kinematics.core.noise.distributions import (
     check_distribution, DISTRIBUTIONS, draw_unit, sample_heading, unit_bound)
 from diffdrive_kinematics.core.noise.first_order import (
     moved_covariance, propagated_covariance, slip_covariance)
-from diffdrive_kinematics.core.noise.heading_moments import (
-    GAUSSIAN, heading_variance, HeadingMoments, von_mises_moments)
+from diffdrive_kinematics.core.noise.heading_moments import heading_variance, HeadingMoments
 from diffdrive_kinematics.core.noise.matrices import pose_jacobians, rotations
 from diffdrive_kinematics.core.noise.noise import (
     check_slip_model, effective_ratio, sample_travel, SLIP_MODELS, travel_variance, WheelSlip)
@@ -57,24 +56,21 @@ from diffdrive_kinematics.core.noise.session_belief import SessionBelief
 from diffdrive_kinematics.core.noise.session_errors import (
     check_session_fraction, draw_session, NO_SESSION, session_generator, SessionError,
     SessionSpread, travel_in_session)
-from diffdrive_kinematics.core.noise.stage import Stage, stage_from_slip, with_pivots_joined
-from diffdrive_kinematics.core.noise.step_noise import (
-    lateral_variances, step_noise, StepNoise, travel_of_command)
+from diffdrive_kinematics.core.noise.stage import Stage, stage_from_slip
+from diffdrive_kinematics.core.noise.step_noise import step_noise, StepNoise, travel_of_command
 from diffdrive_kinematics.core.noise.twist_covariance import twist_covariance, TwistCovariance
 
 __all__ = [
-    'ArcsAlong', 'BodySlip', 'CERTAIN', 'DISTRIBUTIONS', 'GAUSSIAN',
-    'HeadingMoments', 'NO_BODY_SLIP',
+    'ArcsAlong', 'BodySlip', 'CERTAIN', 'DISTRIBUTIONS', 'HeadingMoments', 'NO_BODY_SLIP',
     'NO_COVARIANCE', 'NO_SESSION', 'PoseCovariance', 'PoseMoments', 'Projected', 'SLIP_MODELS',
     'SessionBelief', 'SessionError', 'SessionSpread', 'Stage', 'StepNoise', 'TwistCovariance',
     'WheelSlip', 'arc_moments', 'arcs_along', 'area', 'body_covariance_along', 'body_variances',
     'check_distribution', 'check_session_fraction', 'check_slip_model', 'covariance_along',
     'draw_session', 'draw_unit', 'effective_ratio', 'followed', 'gaussian_moments',
-    'heading_moments', 'heading_variance', 'lateral_variances',
-    'moved_covariance', 'outer_boundary', 'perimeter',
+    'heading_moments', 'heading_variance', 'moved_covariance', 'outer_boundary', 'perimeter',
     'planar_covariance', 'planar_pose', 'pose_jacobians', 'projected', 'propagate',
     'propagated_covariance', 'propagated_moments', 'reachable_set', 'reachable_set_from_slip',
     'rotations', 'sample_heading', 'sample_paths', 'sample_travel', 'second_moment_after',
     'session_generator', 'simplified', 'slip_covariance', 'slip_on_arc', 'stage_from_slip',
     'step_noise', 'travel_in_session', 'travel_of_command', 'travel_variance', 'twist_covariance',
-    'unit_bound', 'von_mises_moments', 'with_pivots_joined', 'yaw_from_quaternion']
+    'unit_bound', 'yaw_from_quaternion']

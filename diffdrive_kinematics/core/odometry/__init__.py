@@ -48,11 +48,11 @@ from diffdrive_kinematics.core.odometry.slip_stream import SlipStream
 from diffdrive_kinematics.core.odometry.source import JointMessage, Source
 from diffdrive_kinematics.core.odometry.sources import Sources
 from diffdrive_kinematics.core.odometry.timeouts import (
-    ClockStep, NO_STEP, step_tolerance, timeout_from_seconds, tolerance_of)
+    ClockStep, NO_STEP, step_tolerance, timeout_from_seconds)
 from diffdrive_kinematics.core.odometry.velocity_check import Mismatch, VelocityCheck
 from diffdrive_kinematics.core.odometry.wheel_comparison import Disagreement, mean_of
 from diffdrive_kinematics.core.odometry.wheel_motion import (
-    anchored, baseline, is_silent, rates_at, rolled, shifted, WheelMotion)
+    baseline, rates_at, rolled, shifted, WheelMotion)
 from diffdrive_kinematics.core.odometry.wheel_sample import (
     is_run, Verdict, WheelPair, WheelSample, ZERO)
 from diffdrive_kinematics.core.odometry.wheel_side import SideTrack
@@ -65,6 +65,6 @@ __all__ = [
     'NO_STEP', 'Odometry', 'OdometryHistory', 'OdometryState', 'PositionTrack', 'REMEMBERED_NS',
     'RateWindow', 'SenderClock', 'SenderClocks', 'SideTrack', 'SlipStream', 'Source', 'Sources',
     'VelocityCheck', 'Verdict', 'WheelMotion', 'WheelPair', 'WheelSample', 'WheelState',
-    'WheelTrack', 'ZERO', 'agree_within_rounding', 'anchored', 'baseline', 'is_run', 'is_silent',
-    'mean_of', 'rates_at', 'rolled', 'shifted', 'step_tolerance', 'timeout_from_seconds',
-    'tolerance_of', 'update_motion', 'wrapped_increment']
+    'WheelTrack', 'ZERO', 'agree_within_rounding', 'baseline', 'is_run', 'mean_of', 'rates_at',
+    'rolled', 'shifted', 'step_tolerance', 'timeout_from_seconds', 'update_motion',
+    'wrapped_increment']
