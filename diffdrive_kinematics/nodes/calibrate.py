@@ -36,10 +36,10 @@ from diffdrive_kinematics.ros.runtime.running import Interrupted, run, spin_node
 from diffdrive_kinematics.tools.calibration import Calibration, table
 from diffdrive_kinematics.tools.calibration_file import rendered
 from diffdrive_kinematics.tools.calibration_response import of_recordings
-from diffdrive_kinematics.tools.calibration_sources import read_drives
 from diffdrive_kinematics.tools.collection import Collection
 from diffdrive_kinematics.tools.output_files import check_writable, write_files
 from diffdrive_kinematics.tools.progress import Progress
+from diffdrive_kinematics.tools.recording_sources import read_drives
 from diffdrive_kinematics.tools.square_notes import calibration_of_runs
 from geometry_msgs.msg import PoseStamped
 from nav_msgs.msg import Odometry

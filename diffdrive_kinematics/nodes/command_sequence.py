@@ -29,7 +29,7 @@ from diffdrive_kinematics.ros.runtime.clocks import period_ns
 from diffdrive_kinematics.ros.runtime.diagnostics import Problem, RateSample, Status, WARN
 from diffdrive_kinematics.ros.runtime.node import DiffDriveNode
 from diffdrive_kinematics.ros.runtime.running import main_of
-from diffdrive_kinematics.tools.command_recordings import read_commands
+from diffdrive_kinematics.tools.recording_sources import read_commands
 from rclpy.publisher import Publisher
 from rclpy.subscription import Subscription
 

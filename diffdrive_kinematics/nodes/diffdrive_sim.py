@@ -30,10 +30,10 @@ from diffdrive_kinematics.ros.runtime.lasting import Lasting
 from diffdrive_kinematics.ros.runtime.node import DiffDriveNode
 from diffdrive_kinematics.ros.runtime.output import exit_status, report, show
 from diffdrive_kinematics.ros.runtime.running import finish, make_executor, spin, Stop
-from diffdrive_kinematics.tools.drift_table import drift_table, pose_line, progress_line
 from diffdrive_kinematics.tools.keeping import Keeping
 from diffdrive_kinematics.tools.progress import LiveLine
-from diffdrive_kinematics.tools.robots import moments_of, Robot, robots_of
+from diffdrive_kinematics.tools.robots import (
+    drift_table, moments_of, pose_line, progress_line, Robot, robots_of)
 from diffdrive_kinematics.tools.square_notes import square_calibration, Squares
 from rclpy.logging import get_logger
 

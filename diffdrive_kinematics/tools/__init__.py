@@ -12,4 +12,12 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Files and pictures: recordings, calibration files and reports, tables and drawings."""
+"""
+Files and pictures: recordings, calibration files and reports, tables and drawings.
+
+Read what is written first: ``output_files``, and what is kept of a drive in ``keeping`` (a table,
+a bag, a picture, runs around a square, of what ``robots`` tells).  Then what is read:
+``recordings`` (CSV) and ``bags``, of which ``recording_sources`` takes what a file needs;
+``calibration`` makes a result of it, ``calibration_file`` and ``calibration_drawing`` write that.
+The page and the keys by which a robot is driven stand apart.
+"""

@@ -26,9 +26,8 @@ from diffdrive_kinematics.core.kinematics import WheelGeometry
 from diffdrive_kinematics.core.noise import BodySlip, NO_BODY_SLIP
 from diffdrive_kinematics.tools.calibration_remarks import (
     clock_remark, course_remarks, frame_remark, frozen_remark, KNOWN_BY_DRIVES, KNOWN_BY_RATIO,
-    slip_remark, square_remarks)
-from diffdrive_kinematics.tools.calibration_sessions import (
-    session_parameters, session_remark, session_rows, THIS_SESSION_ONLY)
+    session_parameters, session_remark, session_rows, slip_remark, square_remarks,
+    THIS_SESSION_ONLY)
 from diffdrive_kinematics.tools.recordings import nobody, Progress
 
 CLOCKS = {'none': Clock.NONE, 'delay': Clock.DELAY, 'offsets': Clock.OFFSETS,

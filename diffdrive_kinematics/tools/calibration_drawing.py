@@ -12,21 +12,21 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The picture of a calibration: return errors as UMBmark draws them, or ways and their errors."""
+"""The picture of a calibration: return errors, ways and their errors, or a response."""
 
 from typing import Any, List, Sequence, Tuple
 
 from diffdrive_kinematics.core.calibration import (
-    CalibrationParameters, linearised, odometry_at, RecordedDrive, ResponseFit, ReturnError,
-    TrajectoryFit, Umbmark, windows_between)
+    CalibrationParameters, commands_of, linearised, odometry_at, RecordedDrive, ResponseFit,
+    ReturnError, TrajectoryFit, Umbmark, windows_between)
 from diffdrive_kinematics.core.kinematics import Pose, WheelGeometry
 from diffdrive_kinematics.tools.calibration import Calibration
 from diffdrive_kinematics.tools.drawing import file_of, in_plan, new_figure
-from diffdrive_kinematics.tools.response_drawing import draw_response
 import numpy as np
 
-BEFORE, AFTER = '#cc3311', '#4477aa'
+BEFORE, AFTER = '#cc3311', '#4477aa'  # also: measured, and the map of a response
 WINDOW_S, EVERY_S, TOLERANCE_S = 10.0, 1.0, 0.1
+SECONDS, LEAST_SPEED = 1.0, 0.2  # of a point, and of the largest speed, from which one is drawn
 
 
 def picture_of(calibration: Calibration, suffix: str) -> bytes:
@@ -44,7 +44,7 @@ def picture_of(calibration: Calibration, suffix: str) -> bytes:
         _draw_returns(figure, *calibration.source)
     elif isinstance(calibration.source[0], ResponseFit):
         figure = new_figure(figsize=(9.0, 5.0))
-        draw_response(figure, *calibration.source)
+        _draw_response(figure, *calibration.source)
     else:
         figure = new_figure(figsize=(13.0, 6.0))
         plan, errors = figure.subfigures(1, 2)
@@ -169,3 +169,48 @@ def _before_and_after(
     after = fit.systematic(number)
     return [(BEFORE, 'wheels as given', after._replace(left=1.0, right=1.0, separation=1.0)),
             (AFTER, 'corrected', after)]
+
+
+def _draw_response(
+        figure: Any, fit: ResponseFit, geometry: WheelGeometry,
+        drives: Sequence[RecordedDrive]) -> None:
+    """Draw speeds over curvature, and yaw rates over those asked for: measured, and the map."""
+    response = fit.response
+    asked, moved = (np.concatenate(parts) for parts in zip(*(
+        _steady(geometry, drive, response.delay) for drive in drives)))
+    fast = np.abs(asked[:, 0]) > LEAST_SPEED * response.max_speed
+    v, w = asked[fast].T
+    speed, turn = figure.subplots(1, 2)
+    speed.plot(w / v, moved[fast, 0] / v, '.', ms=3, color=BEFORE, label='measured, 1 s')
+    edge = float(np.percentile(np.abs(w / v), 99.0)) if len(v) else 1.0
+    k = np.linspace(-edge, edge, 401)
+    speed.plot(k, response.speed_gain * response.share(k), color=AFTER, label=f'map: {fit.form}')
+    speed.set_xlim(-1.1 * edge, 1.1 * edge)
+    speed.set_ylim(0.0, 1.5)
+    speed.set_xlabel('curvature asked for [1/m]')
+    speed.set_ylabel('speed driven over speed asked for')
+    turn.plot(asked[:, 1], moved[:, 1], '.', ms=3, color=BEFORE)
+    rate = np.array([-response.max_yaw_rate, response.max_yaw_rate])
+    turn.plot(rate, response.yaw_rate_gain * rate, color=AFTER)
+    turn.set_xlabel('yaw rate asked for [rad/s]')
+    turn.set_ylabel('yaw rate turned with [rad/s]')
+    for axes in (speed, turn):
+        axes.grid(alpha=0.25)
+    speed.legend(fontsize='small')
+
+
+def _steady(geometry: WheelGeometry, drive: RecordedDrive, delay: float) -> Any:
+    """Return twists asked for, and driven, of windows in which the command hardly changed."""
+    commands = commands_of(geometry, drive)
+    start, end, _ = windows_between(drive, (SECONDS,), SECONDS, 0.1)
+    times = drive.reference_time - delay
+    first, last = (np.clip(np.searchsorted(drive.time, times[rows], side='right') - 1, 0,
+                           len(commands) - 1) for rows in (start, end))
+    same = np.abs(commands[last] - commands[first]).max(axis=1) < 0.02
+    start, end, first = start[same], end[same], first[same]
+    seconds = drive.reference_time[end] - drive.reference_time[start]
+    apart = drive.reference[end] - drive.reference[start]
+    way = drive.reference[start, 2] + 0.5 * apart[:, 2]
+    chord = np.cos(way) * apart[:, 0] + np.sin(way) * apart[:, 1]
+    moved = np.stack([chord / np.sinc(apart[:, 2] / (2.0 * np.pi)), apart[:, 2]], axis=1)
+    return commands[first], moved / seconds[:, None]

@@ -12,29 +12,31 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""What a user should know about the drives of a calibration, in sentences."""
+"""What a user should know of a calibration, in sentences, and what differs between its runs."""
 
 import math
-from typing import List, Sequence
+from typing import Dict, List, Optional, Sequence, Tuple
 
 from diffdrive_kinematics.core.calibration import (
-    drift_pays, penalised, RecordedDrive, SlipFit, SquareFit, TrajectoryFit)
+    drift_pays, penalised, RecordedDrive, SessionFit, SlipFit, SquareFit, TrajectoryFit)
 from diffdrive_kinematics.core.kinematics import WheelGeometry
+from diffdrive_kinematics.core.noise import check_session_fraction
 import numpy as np
 
 KNOWN_BY_DRIVES = 'known from the drives: both radii and the separation'
 KNOWN_BY_RATIO = (
     'known from the drives: the separation and the ratio of the radii; the mean radius is kept '
     'as it was')
-
 PERIOD_S = 0.5
 """Time over which wheel motion is taken together: single ticks look like turns."""
 FEWEST_TURNED = 0.2
 """Share of all turning that curves to one side should be at least."""
-
-
 NO_SLIP_M = 1e-12
 """Slip variance [m] of runs that do not scatter at all."""
+THIS_SESSION_ONLY = (
+    'the standard errors hold for this session only: to find what differs between sessions, give '
+    'three or more drives of which each is enough for the wheels, best of different days')
+UNITS = {'scale': '1', 'separation': '1', 'curvature': 'rad/m'}
 
 
 def square_remarks(fit: SquareFit, slip: float) -> List[str]:
@@ -133,3 +135,39 @@ def course_remarks(geometry: WheelGeometry, drives: Sequence[RecordedDrive]) -> 
 def _first_rows(time: np.ndarray) -> np.ndarray:
     """Return the first row of each period, shape (k,)."""
     return np.unique(np.floor((time - time[0]) / PERIOD_S), return_index=True)[1]
+
+
+def session_rows(sessions: Optional[SessionFit]) -> List[Tuple[str, float, float]]:
+    """Return name, value and standard error of each standard deviation between runs."""
+    if sessions is None:
+        return []
+    return [(f'session_{name}_stddev [{unit}]', *getattr(sessions, name))
+            for name, unit in UNITS.items() if getattr(sessions, name) is not None]
+
+
+def session_remark(sessions: Optional[SessionFit]) -> str:
+    """Return what is known of other sessions, in a line."""
+    if sessions is None:
+        return THIS_SESSION_ONLY
+    kept = '; not the scale, as the mean radius is kept' if sessions.scale is None else ''
+    return (f'session_*: what differs between the {sessions.sessions} drives beyond the standard '
+            f'errors of each; drives of one day say nothing about other days{kept}'
+            + ''.join(f'; WARNING: {name.split()[0]} is not written, as {value:.3g} is more than '
+                      'the nodes take, look for a drive that is not like the others'
+                      for name, value, _ in session_rows(sessions) if not _is_taken(name, value)))
+
+
+def session_parameters(sessions: Optional[SessionFit]) -> Dict[str, float]:
+    """Return the parameters to write, of those that are known what the nodes take."""
+    return {name.split()[0]: value for name, value, _ in session_rows(sessions)
+            if _is_taken(name, value)}
+
+
+def _is_taken(name: str, value: float) -> bool:
+    """Return whether the nodes take a standard deviation; fractions have a bound."""
+    try:
+        if name.endswith('[1]'):
+            check_session_fraction(name, value)
+    except ValueError:
+        return False
+    return True

@@ -14,16 +14,75 @@
 
 """A drive as CSV rows: what ``calibrate`` and ``command_sequence`` read, and plots are made of."""
 
-from typing import Sequence
+from contextlib import suppress
+import os
+from typing import Sequence, TextIO
 
-from diffdrive_kinematics.tools.growing_file import GrowingFile
-from diffdrive_kinematics.tools.output_files import beside
+from diffdrive_kinematics.tools.output_files import (
+    beside, check_writable, free_path, place, write_beside)
 from diffdrive_kinematics.tools.robots import Moment
 
 COLUMNS = (
     'time_sec', 'left_position', 'right_position', 'linear_x', 'angular_z', 'belief_x',
     'belief_y', 'belief_yaw')
 TRUTH = 'x', 'y', 'yaw'
+
+
+class GrowingFile:
+    """
+    A text that is written bit by bit beside its place, and put there when it is complete.
+
+    Parameters
+    ----------
+    path : str
+        Where it belongs.
+    name : str
+        Of the parameter that says so.
+    overwrite : bool
+        Whether a file that is there may be replaced.
+
+    Raises
+    ------
+    ValueError
+        If no file can be written there.
+
+    """
+
+    def __init__(self, path: str, *, name: str, overwrite: bool) -> None:
+        check_writable(path, name=name, overwrite=overwrite, regular=True)
+        self._path, self._overwrite, self._failed = path, overwrite, ''
+        self._part = write_beside(path, b'')
+        self._file: TextIO = open(self._part, 'w', encoding='utf-8', newline='')
+
+    def write(self, text: str) -> None:
+        """Add to the text; that it cannot be written is said at the end."""
+        try:
+            if not self._failed:
+                self._file.write(text)
+        except OSError as error:
+            self._failed = str(error)
+
+    def close(self) -> str:
+        """Put the complete text in its place or beside it, return where; ``ValueError`` if not."""
+        try:
+            if self._failed:
+                raise OSError(self._failed)
+            self._file.flush()
+            os.fsync(self._file.fileno())
+            path = free_path(self._path, overwrite=self._overwrite)
+            place(self._part, path, overwrite=self._overwrite)
+            return path
+        except OSError as error:
+            raise ValueError(f'{self._path} cannot be written: {error}') from error
+        finally:
+            self.discard()
+
+    def discard(self) -> None:
+        """Leave nothing of a text that is not complete."""
+        with suppress(OSError):
+            self._file.close()
+        with suppress(OSError):
+            os.unlink(self._part)
 
 
 class DriveTable(GrowingFile):

@@ -21,8 +21,7 @@ from types import SimpleNamespace
 
 from diffdrive_kinematics.core.kinematics import twist_from_wheel_rates, WheelGeometry
 from diffdrive_kinematics.tools.calibration import MULTIPLIERS, of_drives
-from diffdrive_kinematics.tools.calibration_sources import read_drives
-from diffdrive_kinematics.tools.command_recordings import read_commands
+from diffdrive_kinematics.tools.recording_sources import read_commands, read_drives
 from geometry_msgs.msg import PoseStamped, PoseWithCovarianceStamped, Twist, TwistStamped
 from nav_msgs.msg import Odometry
 import numpy as np

@@ -18,8 +18,8 @@ import os
 from pathlib import Path
 import stat
 
-from diffdrive_kinematics.tools import growing_file
-from diffdrive_kinematics.tools.growing_file import GrowingFile
+from diffdrive_kinematics.tools import drive_table
+from diffdrive_kinematics.tools.drive_table import GrowingFile
 from diffdrive_kinematics.tools.output_files import check_writable, write_files
 import pytest
 
@@ -153,7 +153,7 @@ def test_a_growing_text_is_kept_beside_a_file_that_has_come_meanwhile(tmp_path):
 
 def test_a_full_disk_is_said_at_the_end_of_a_growing_text(tmp_path, monkeypatch):
     monkeypatch.setattr(  # its file is on a device that is always full
-        growing_file, 'open', lambda _, *how, **more: open('/dev/full', *how, **more),
+        drive_table, 'open', lambda _, *how, **more: open('/dev/full', *how, **more),
         raising=False)
     growing = GrowingFile(str(tmp_path / 'run.csv'), name='record', overwrite=False)
     for _ in range(10_000):

@@ -20,8 +20,7 @@ import resource
 
 from diffdrive_kinematics.core.kinematics import advance, Pose, WheelGeometry
 from diffdrive_kinematics.tools.calibration import of_drives
-from diffdrive_kinematics.tools.calibration_sources import read_drives
-from diffdrive_kinematics.tools.command_recordings import read_commands
+from diffdrive_kinematics.tools.recording_sources import read_commands, read_drives
 from diffdrive_kinematics.tools.square_rows import read_square_runs
 from hypothesis import given, HealthCheck, settings, strategies as st
 import numpy as np

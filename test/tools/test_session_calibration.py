@@ -17,7 +17,7 @@
 from diffdrive_kinematics.core.calibration import Estimate, SessionFit
 from diffdrive_kinematics.tools.calibration import of_drives, table
 from diffdrive_kinematics.tools.calibration_file import params_text
-from diffdrive_kinematics.tools.calibration_sessions import session_parameters, session_remark
+from diffdrive_kinematics.tools.calibration_remarks import session_parameters, session_remark
 import pytest
 from support.drives import drive, GEOMETRY, Truth
 import yaml

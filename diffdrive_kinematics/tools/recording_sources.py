@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""What ``calibrate`` reads of recorded drives."""
+"""Recordings of any kind: drives for ``calibrate``, commands for ``command_sequence``."""
 
 from typing import Any, Dict, List, Mapping, NamedTuple, Sequence, Tuple
 
@@ -20,10 +20,11 @@ from diffdrive_kinematics.core.calibration import (
     drive_from_commands, drive_from_positions, drive_from_rates, drive_from_ticks,
     RecordedDrive)
 from diffdrive_kinematics.core.kinematics import Array, LARGEST, Pose, WheelGeometry
-from diffdrive_kinematics.tools.bag_drives import add_bag, COMMANDS, Read
-from diffdrive_kinematics.tools.bags import is_bag
+from diffdrive_kinematics.tools.bag_drives import (
+    add_bag, COMMANDS, Read, read_topics, Times, topic_of, twist_of, TWISTS)
+from diffdrive_kinematics.tools.bags import BagMessage, is_bag, open_bag
 from diffdrive_kinematics.tools.collection import Collection
-from diffdrive_kinematics.tools.plausible import check_stamps, check_units
+from diffdrive_kinematics.tools.plausible import check_commands, check_stamps, check_units
 from diffdrive_kinematics.tools.recordings import (
     check_columns, COMMAND_COLUMNS, Header, nobody, Progress, read_chosen, read_columns)
 import numpy as np
@@ -191,3 +192,37 @@ def _rows(path: str, rows: Array, columns: Sequence[str], *, commands: bool = Fa
             f'finite number within +-{LARGEST:g}')
     check_stamps(path, rows[:, 0], commands=commands)
     return rows
+
+
+def read_commands(path: str, topic: str) -> List[Tuple[float, float, float]]:
+    """
+    Return (time [s], v [m/s], w [rad/s]) of recorded commands.
+
+    Raises
+    ------
+    ValueError
+        If the file cannot be read or has no such columns (a bag: no such topic), or is in other
+        units.
+
+    """
+    rows = (_commands_of_bag(path, topic) if is_bag(path)
+            else [(time, v, w) for time, v, w in read_columns(path, COMMAND_COLUMNS).tolist()])
+    if rows:
+        numbers = np.array(rows)
+        check_stamps(path, numbers[:, 0], commands=True)
+        check_commands(path, numbers)
+    return rows
+
+
+def _commands_of_bag(path: str, topic: str) -> List[Tuple[float, float, float]]:
+    found: List[Tuple[int, float, float]] = []
+    times = Times()
+
+    def add(message: BagMessage) -> None:
+        stamp_ns, v, w = twist_of(message)
+        found.append((times.of(stamp_ns, message.received_ns), v, w))
+
+    with open_bag(path) as bag:
+        chosen = topic_of(bag, 'cmd_vel_topic', {'cmd_vel_topic': topic}, TWISTS)
+        read_topics(bag, {chosen.name: add})
+    return [((time_ns - found[0][0]) / 1e9, v, w) for time_ns, v, w in found]
