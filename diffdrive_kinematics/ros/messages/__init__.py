@@ -15,6 +15,8 @@
 """
 Messages of ROS from and to values of the core: as objects, as bytes, as URDF.
 
-``plain`` is the codec to read, with a class or function for each message; ``serialised`` says the
-same in bytes; ``codec`` decides which one the nodes use.
+``plain`` is the codec to read, with a class or function for each message; ``serialised`` (and
+``serialised_joints``) says the same in bytes, by ``cdr``; ``codec`` decides which one the nodes
+use.  Then how wheel motion is read: ``wheel_joints`` (names and signs), ``wheel_messages`` (one
+JointState), ``wheel_gathering`` (several publishers, messages and wheels).
 """

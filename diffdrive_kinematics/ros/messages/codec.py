@@ -23,9 +23,8 @@ they have the same names, and the same tests.
 
 from diffdrive_kinematics.ros.messages.plain import TwistCodec
 from diffdrive_kinematics.ros.messages.serialised import (
-    JointStateCodec, OdometryCodec, TransformCodec, TwistCodec as CommandReader)
-from diffdrive_kinematics.ros.messages.serialised_poses import (
-    encode_polygon, encode_poses, PathCodec)
+    encode_polygon, encode_poses, JointStateCodec, OdometryCodec, PathCodec, TransformCodec,
+    TwistCodec as CommandReader)
 
 __all__ = [
     'CommandReader', 'JointStateCodec', 'OdometryCodec', 'PathCodec', 'TransformCodec',
