@@ -20,7 +20,7 @@ import time
 from typing import Any, Dict, List, Mapping, NamedTuple, Tuple, Type
 
 from diffdrive_kinematics.ros.parameters.configuration_error import refusing
-from diffdrive_kinematics.ros.parameters.members import Member, members_of
+from diffdrive_kinematics.ros.parameters.from_values import Member, members_of
 from diffdrive_kinematics.ros.parameters.tables import DIFFDRIVE_SIM
 from diffdrive_kinematics.ros.runtime.alone import check_alone, Disturbed
 from diffdrive_kinematics.ros.runtime.clocks import SteadyTimers, SteppedClock

@@ -21,9 +21,9 @@ from diffdrive_kinematics.core.commands import (
     HeadingRegulator, Law, PointForward, PoseController, Progress, PurePursuit, SteeringCommand,
     SteeringLimits, Waypoints, waypoints_from_poses)
 from diffdrive_kinematics.core.kinematics import Pose
-from diffdrive_kinematics.ros.inputs.tasks import goals_from, Seen, Task
 from diffdrive_kinematics.ros.messages.codec import TwistCodec
 from diffdrive_kinematics.ros.messages.messages import nanoseconds, pose_in_plane
+from diffdrive_kinematics.ros.parameters.from_values import goals_from
 from diffdrive_kinematics.ros.parameters.tables import GOAL_STEERING
 from diffdrive_kinematics.ros.runtime.diagnostics import RateSample, Status
 from diffdrive_kinematics.ros.runtime.node import DiffDriveNode
@@ -42,6 +42,27 @@ class Config(NamedTuple):
     pursuit: PurePursuit
     goals: Sequence[Pose]
     values: Mapping[str, Any]
+
+
+class Task(NamedTuple):
+    """Where to go, in a frame; an empty one is that of the odometry."""
+
+    target: Union[Pose, Waypoints]
+    frame_id: str
+
+    def __str__(self) -> str:
+        """Return it in words."""
+        if isinstance(self.target, Waypoints):
+            return f'the path of {len(self.target.points)} points'
+        return 'the goal x {:.3f} m, y {:.3f} m, yaw {:.3f} rad'.format(*self.target)
+
+
+class Seen(NamedTuple):
+    """What odometry said last: pose, frame and stamp [ns]."""
+
+    pose: Pose
+    frame_id: str
+    stamp_ns: int
 
 
 def build(values: Mapping[str, Any]) -> Config:

@@ -25,9 +25,8 @@ from diffdrive_kinematics.ros.messages.messages import given_pose
 from diffdrive_kinematics.ros.messages.wheel_joints import wheel_joints
 from diffdrive_kinematics.ros.messages.wheel_messages import WheelReader, WheelWriter
 from diffdrive_kinematics.ros.parameters.from_values import (
-    check_sides, check_wiring, wheel_geometry)
-from diffdrive_kinematics.ros.parameters.odometry_from_values import (
-    check_frames, configured_odometry, initial_odometry, initial_pose)
+    check_frames, check_sides, check_wiring, configured_odometry, initial_odometry,
+    initial_pose, wheel_geometry)
 from diffdrive_kinematics.ros.parameters.tables import SIMULATED_BASE
 from diffdrive_kinematics.ros.publishers.lean_base import LeanBase
 from diffdrive_kinematics.ros.publishers.odometry import BeliefCorrection, OdometryPublisher

@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import Any, Dict, Mapping, NamedTuple, Tuple, Union
 
 from diffdrive_kinematics.nodes.diffdrive_sim import CLASSES
-from diffdrive_kinematics.ros.parameters.members import Member, members_of
+from diffdrive_kinematics.ros.parameters.from_values import Member, members_of
 from diffdrive_kinematics.testing.checks import check_number, refuse
 import yaml
 

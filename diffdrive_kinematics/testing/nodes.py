@@ -20,7 +20,7 @@ import tempfile
 from typing import Any, Dict, List, Mapping, NamedTuple
 
 from diffdrive_kinematics.nodes.diffdrive_sim import node_class
-from diffdrive_kinematics.ros.parameters.members import Member
+from diffdrive_kinematics.ros.parameters.from_values import Member
 from diffdrive_kinematics.ros.runtime.clocks import SteppedClock
 from diffdrive_kinematics.ros.runtime.diagnostics import RateSample
 from diffdrive_kinematics.ros.runtime.running import make_executor

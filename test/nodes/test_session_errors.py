@@ -24,8 +24,8 @@ from diffdrive_kinematics.core.noise import (
     travel_of_command, WheelSlip)
 from diffdrive_kinematics.nodes.simulated_base import SimulatedBase
 from diffdrive_kinematics.nodes.wheel_noise import WheelNoise
-from diffdrive_kinematics.ros.parameters.descriptors import range_of
 from diffdrive_kinematics.ros.parameters.parameter_checks import check_slip
+from diffdrive_kinematics.ros.parameters.parameter_spec import range_of
 from diffdrive_kinematics.ros.parameters.tables import SIMULATED_BASE
 from diffdrive_kinematics.tools.robots import moments_of
 import numpy as np

@@ -25,9 +25,8 @@ from typing import (
     TypeVar)
 
 from diffdrive_kinematics.ros.parameters.configuration_error import ConfigurationError
-from diffdrive_kinematics.ros.parameters.descriptors import descriptor_of
 from diffdrive_kinematics.ros.parameters.other_units import report_other_units
-from diffdrive_kinematics.ros.parameters.parameter_spec import Kind, ParameterSpec
+from diffdrive_kinematics.ros.parameters.parameter_spec import descriptor_of, Kind, ParameterSpec
 from diffdrive_kinematics.ros.parameters.sections import (
     doubts, misplaced, params_files, sections_of, shadowed)
 from diffdrive_kinematics.ros.parameters.unknown_names import aliased, report_unknown

@@ -19,8 +19,7 @@ import time
 from typing import (
     Any, Callable, Collection, Generic, Iterator, Mapping, Optional, Sequence, Set, Tuple, TypeVar)
 
-from diffdrive_kinematics.ros.parameters.descriptors import with_ranges
-from diffdrive_kinematics.ros.parameters.parameter_spec import ParameterSpec
+from diffdrive_kinematics.ros.parameters.parameter_spec import ParameterSpec, with_ranges
 from diffdrive_kinematics.ros.parameters.parameters import ParameterSet
 from diffdrive_kinematics.ros.runtime.clocks import SetBack, SteadyTimers, SteppedClock
 from diffdrive_kinematics.ros.runtime.diagnostics import RateSample, Status

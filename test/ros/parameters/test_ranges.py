@@ -17,8 +17,7 @@
 import math
 
 from diffdrive_kinematics.nodes.forward_projection import ForwardProjection
-from diffdrive_kinematics.ros.parameters.descriptors import range_of
-from diffdrive_kinematics.ros.parameters.parameter_spec import Kind
+from diffdrive_kinematics.ros.parameters.parameter_spec import Kind, range_of
 from diffdrive_kinematics.ros.parameters.parameters import coerce
 from diffdrive_kinematics.ros.parameters.tables import TABLES
 import pytest

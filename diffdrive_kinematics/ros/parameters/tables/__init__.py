@@ -19,11 +19,11 @@ Names, units and defaults are those of ros2_controllers' ``diff_drive_controller
 has the same thing.  The tables are data: nodes declare them, documentation is made from them.
 """
 
-from diffdrive_kinematics.ros.parameters.tables.commands import COMMAND_SEQUENCE, GOAL_STEERING
+from diffdrive_kinematics.ros.parameters.tables.commands import (
+    COMMAND_SEQUENCE, GOAL_STEERING, TELEOP, WEB_VIEW)
 from diffdrive_kinematics.ros.parameters.tables.controller import DIFF_DRIVE_CONTROLLER
 from diffdrive_kinematics.ros.parameters.tables.tools import (
     CALIBRATE, DIFFDRIVE_SIM, PLOT_PATHS, ROBOT_DESCRIPTION)
-from diffdrive_kinematics.ros.parameters.tables.viewers import TELEOP, WEB_VIEW
 from diffdrive_kinematics.ros.parameters.tables.wheels import (
     FORWARD_PROJECTION, SIMULATED_BASE, WHEEL_NOISE, WHEEL_ODOMETRY)
 
