@@ -18,6 +18,7 @@ import time
 from typing import Any, Mapping, NamedTuple, Sequence
 
 from diffdrive_kinematics.core.commands import Drive, DriveSettings, STILL, WheelCommand
+from diffdrive_kinematics.core.odometry import ClockStep
 from diffdrive_kinematics.ros.inputs.command_intake import Backlog, CommandIntake, LATE_NS
 from diffdrive_kinematics.ros.inputs.command_type import CommandType
 from diffdrive_kinematics.ros.inputs.emergency_stop import EmergencyStop
@@ -87,7 +88,7 @@ class DiffDriveController(DiffDriveNode[Config]):
             self._backlog = Backlog(subscription)
 
     def _on_command(self, message: bytes, info: MessageInfo = UNKNOWN) -> None:
-        now_ns = self._synchronised_now()
+        now_ns = self.synchronised_now()
         self.health.statistics.note(now_ns, now_ns)
         if self._stop.holds():
             self._stop.ignore()
@@ -123,10 +124,10 @@ class DiffDriveController(DiffDriveNode[Config]):
 
     def _step(self) -> int:
         """Take the steps of a ramp that are due, and return the time [ns]."""
-        now_ns = self._synchronised_now()
+        now_ns = self.synchronised_now()
         if self._is_over(now_ns):
             self._take_backlog()
-            now_ns = self._synchronised_now()
+            now_ns = self.synchronised_now()
         self._carry_out(*self._drive.advanced(now_ns))
         return now_ns
 
@@ -169,7 +170,7 @@ class DiffDriveController(DiffDriveNode[Config]):
         self._take_backlog()
         if self._drive.deadline_ns != deadline_ns:
             return
-        now_ns = self._synchronised_now()
+        now_ns = self.synchronised_now()
         self._carry_out(*self._drive.ended_by(now_ns).advanced(now_ns))
 
     def on_clock_look(self, stood_s: float) -> None:
@@ -182,7 +183,7 @@ class DiffDriveController(DiffDriveNode[Config]):
             self._halt()
         elif drive.rates == REST and self._out.last_ns >= 0 and self.time.clock_stands():
             # ticks do not repeat it
-            self._out.publish([drive.command_at(self._synchronised_now())])
+            self._out.publish([drive.command_at(self.synchronised_now())])
         else:
             self._obey_without_clock()
 
@@ -199,28 +200,25 @@ class DiffDriveController(DiffDriveNode[Config]):
     def _on_release(self) -> None:
         """Have what was commanded up to now behind, whenever it comes."""
         self._take_backlog()
-        self._intake.none_before(self._synchronised_now())
+        self._intake.none_before(self.synchronised_now())
 
     def _halt(self) -> None:
         """Bring the wheels to rest at once, whatever the limits and the clock."""
-        now_ns = self._synchronised_now()
+        now_ns = self.synchronised_now()
         if now_ns or self._drive.rates != REST:
             self._drive = self._drive.halted(max(now_ns, self._out.last_ns + 1))
         self._out.publish([self._drive.command_at(now_ns)])
 
-    def _synchronised_now(self) -> int:
-        """Return the time, with the drive moved along where the clock itself was stepped."""
-        now_ns, step_ns = self.time.now_and_step()
-        if step_ns:
-            self._drive = self._drive.clock_stepped(step_ns)
-            self._out.clock_stepped(step_ns)
-            self._intake.clock_stepped(step_ns, wall=not self.time.is_simulated)
-        return now_ns
+    def on_clock_step(self, step: ClockStep) -> None:
+        """Move the drive along."""
+        self._drive = self._drive.clock_stepped(step.step_ns)
+        self._out.clock_stepped(step.step_ns)
+        self._intake.clock_stepped(step.step_ns, wall=not self.time.is_simulated)
 
     def _configure(self, config: Config) -> None:
         timeout = self._drive.settings.cmd_vel_timeout
         self._intake.configure(config.values)
-        self._carry_out(*self._drive.configured(config.drive, self._synchronised_now()))
+        self._carry_out(*self._drive.configured(config.drive, self.synchronised_now()))
         self._timer = self.runtime.retimed(self._timer, config.values['publish_rate'], self._tick)
         if timeout != config.drive.cmd_vel_timeout:  # else what is silent goes on to be
             self._set_watchdog(config.drive.cmd_vel_timeout)

@@ -84,8 +84,9 @@ class ForwardProjection(DiffDriveNode[Config]):
     def __init__(self, name: str = 'forward_projection', **composition: Any) -> None:
         super().__init__(name, FORWARD_PROJECTION, build, **composition)
         values = self.config.values
-        self._reader = WheelReader(wheel_joints(values), encoder_range=values['encoder_range'])
-        self._wheel_watch = WheelWatch(self, self._reader, values['wheel_motion_topic'])
+        self.wheel_reader = WheelReader(
+            wheel_joints(values), encoder_range=values['encoder_range'])
+        self._wheel_watch = WheelWatch(self, self.wheel_reader, values['wheel_motion_topic'])
         self._wheels = core.Odometry.starting_at(  # for its account of the rates alone
             Pose(0.0, 0.0, 0.0), geometry=self.config.geometry, timeout_ns=self.config.timeout_ns)
         self._odometry: Optional[Tuple[Odometry, Pose]] = None
@@ -106,7 +107,7 @@ class ForwardProjection(DiffDriveNode[Config]):
 
     def _on_odometry(self, message: Odometry) -> None:
         self._odometry = message, pose_in_plane(message.pose.pose)
-        now_ns = self._synchronised_now()
+        now_ns = self.synchronised_now()
         stamp_ns = nanoseconds(message.header.stamp) or now_ns
         self._clocks['odom_topic'].note(stamp_ns, now_ns)
         self.health.statistics.note(now_ns, stamp_ns)
@@ -114,8 +115,8 @@ class ForwardProjection(DiffDriveNode[Config]):
     def _on_wheels(self, message: bytes, info: MessageInfo) -> None:
         if self.time.waits_for_clock():
             return
-        now_ns = self._synchronised_now()
-        sample = self._reader.read(message, lambda: now_ns, info.number)
+        now_ns = self.synchronised_now()
+        sample = self.wheel_reader.read(message, lambda: now_ns, info.number)
         if sample is None:
             return
         self._clocks['wheel_motion_topic'].note(sample.stamp_ns, now_ns)
@@ -123,7 +124,7 @@ class ForwardProjection(DiffDriveNode[Config]):
         self.rejections.judge(verdict, self.config.values['wheel_motion_topic'])
 
     def _tick(self) -> None:
-        now_ns = self._synchronised_now()
+        now_ns = self.synchronised_now()
         if self._odometry is None or self._wheels.motion is None:
             self.get_logger().info(
                 'waiting for odometry and wheel motion',
@@ -184,15 +185,11 @@ class ForwardProjection(DiffDriveNode[Config]):
                     sample.now_ns, values['command_timeout'], topic),
                 *(problem for clock in self._clocks.values() for problem in clock.problems())])
 
-    def _synchronised_now(self) -> int:
-        now_ns, step_ns = self.time.now_and_step()
-        if step_ns:
-            if self.time.is_shared:
-                self._reader.clock_stepped(core.ClockStep(step_ns, now_ns))
-            self._wheels = self._wheels.clock_stepped(step_ns)
-            for clock in self._clocks.values():
-                clock.clock_stepped(step_ns)
-        return now_ns
+    def on_clock_step(self, step: core.ClockStep) -> None:
+        """Move along what is known of the wheels, and of the clocks of stamps."""
+        self._wheels = self._wheels.clock_stepped(step.step_ns)
+        for clock in self._clocks.values():
+            clock.clock_stepped(step.step_ns)
 
     def _report_bounds(self) -> None:
         if self._boundary_publisher and not self.config.bounded():
@@ -203,7 +200,7 @@ class ForwardProjection(DiffDriveNode[Config]):
 
     def _configure(self, config: Config) -> None:
         self._wheels = self._wheels.configured(
-            config.geometry, config.timeout_ns, self._synchronised_now())
+            config.geometry, config.timeout_ns, self.synchronised_now())
         self._timer = self.runtime.retimed(self._timer, config.values['publish_rate'], self._tick)
         self._report_bounds()
 

@@ -21,6 +21,7 @@ from diffdrive_kinematics.core.commands import (
     HeadingRegulator, Law, PointForward, PoseController, Progress, PurePursuit, SteeringCommand,
     SteeringLimits, Waypoints, waypoints_from_poses)
 from diffdrive_kinematics.core.kinematics import Pose
+from diffdrive_kinematics.core.odometry import ClockStep
 from diffdrive_kinematics.ros.messages.codec import TwistCodec
 from diffdrive_kinematics.ros.messages.messages import nanoseconds, pose_in_plane
 from diffdrive_kinematics.ros.parameters.from_values import goals_from
@@ -111,7 +112,7 @@ class GoalSteering(DiffDriveNode[Config]):
         if self._seen and stamp_ns == self._seen.stamp_ns != 0:
             return  # a repetition is no newer
         self._seen = Seen(pose, message.header.frame_id, stamp_ns)
-        self.health.statistics.note(self._synchronised_now(), stamp_ns)
+        self.health.statistics.note(self.synchronised_now(), stamp_ns)
 
     def _on_goal(self, message: PoseStamped) -> None:
         self._begin(Task(pose_in_plane(message.pose), self._frame_of(message)))
@@ -119,7 +120,7 @@ class GoalSteering(DiffDriveNode[Config]):
     def _on_plan(self, message: Path) -> None:
         if not message.poses:
             if self._tasks:
-                self._end(self._synchronised_now(),
+                self._end(self.synchronised_now(),
                           f'cancelled {self._tasks[0]}: an empty path came', arrived=True)
             return
         frame_id = self._frame_of(message)
@@ -136,7 +137,7 @@ class GoalSteering(DiffDriveNode[Config]):
 
     def _begin(self, task: Task) -> None:
         self._tasks = [task]
-        self._set_out(self._synchronised_now())
+        self._set_out(self.synchronised_now())
         self.get_logger().info(f'driving to {task}')
 
     def _set_out(self, now_ns: int) -> None:
@@ -144,7 +145,7 @@ class GoalSteering(DiffDriveNode[Config]):
         self._along, self._progress = 0.0, Progress(math.inf, math.inf, now_ns)
 
     def _tick(self) -> None:
-        now_ns = self._synchronised_now()
+        now_ns = self.synchronised_now()
         if not self._tasks:
             return
         if self._is_blind(now_ns):
@@ -219,11 +220,9 @@ class GoalSteering(DiffDriveNode[Config]):
         self.health.sent += 1
         self._publisher.publish(self._message.encode(now_ns, v, w))
 
-    def _synchronised_now(self) -> int:
-        now_ns, step_ns = self.time.now_and_step()
-        if step_ns:
-            self._progress = self._progress._replace(since_ns=self._progress.since_ns + step_ns)
-        return now_ns
+    def on_clock_step(self, step: ClockStep) -> None:
+        """Move along since when there was no progress."""
+        self._progress = self._progress._replace(since_ns=self._progress.since_ns + step.step_ns)
 
     def status(self, sample: RateSample) -> Status:
         """Return where the robot is going and how odometry comes in."""

@@ -80,11 +80,11 @@ class SimulatedBase(DiffDriveNode[Config]):
         encoder = core.Encoder(values['encoder_range'], values['encoder_resolution'])
         odometry = initial_odometry(
             values, self.config.geometry, self.config.timeout_ns, self.config.slip_variances)
-        self._reader = WheelReader(
+        self.wheel_reader = WheelReader(
             joints, positions=values['position_feedback'], encoder_range=encoder.period)
         motion_topic = values['wheel_motion_topic']
         self._driver = DriverWatch(self, motion_topic)
-        self._wheel_watch = WheelWatch(self, self._reader, motion_topic)
+        self._wheel_watch = WheelWatch(self, self.wheel_reader, motion_topic)
         self._wheel_motion = runtime.poll(JointState, motion_topic, self._on_wheels)
         self._wheel_motion.set_poll_rate(values['publish_rate'])
         self._out = OdometryPublisher(self, values)
@@ -103,8 +103,8 @@ class SimulatedBase(DiffDriveNode[Config]):
             runtime.listen(PoseWithCovarianceStamped, topic, self._on_pose, needs_wakeup=False)
         runtime.serve(Trigger, '~/reset', self._on_reset)
         self._lean = LeanBase(
-            odometry, self._reader, self._wheel_motion, self.health, self._out, self._wheels,
-            self._joints, self._publish_beside, now=self._synchronised_now, tick=self._tick)
+            odometry, self.wheel_reader, self._wheel_motion, self.health, self._out, self._wheels,
+            self._joints, self._publish_beside, now=self.synchronised_now, tick=self._tick)
         self._on_timer = self._lean.tick if (
             values['lean_path'] and self._wheel_motion.waits and not transform) else self._tick
         self._timer = runtime.every(values['publish_rate'], self._on_timer)
@@ -128,12 +128,12 @@ class SimulatedBase(DiffDriveNode[Config]):
         return self._odometry.moments_at(now_ns)
 
     def _on_wheels(self, message: bytes, info: MessageInfo) -> None:
-        now_ns = self._synchronised_now()
+        now_ns = self.synchronised_now()
         if not now_ns and self.time.waits_for_clock():
             return
         self._lean.leave()
         now_ns = min(now_ns, info.received_ns or now_ns)
-        sample = self._reader.read(message, lambda: now_ns, info.number)
+        sample = self.wheel_reader.read(message, lambda: now_ns, info.number)
         if sample is None:
             return
         self.health.statistics.note(now_ns, sample.stamp_ns)
@@ -217,15 +217,11 @@ class SimulatedBase(DiffDriveNode[Config]):
     def _updated_now(self) -> int:
         """Return the time, after all wheel motion that has come up to then."""
         self._wheel_motion.take()
-        return self._synchronised_now()
+        return self.synchronised_now()
 
-    def _synchronised_now(self) -> int:
-        now_ns, step_ns = self.time.now_and_step()
-        if step_ns:
-            if self.time.is_shared:
-                self._reader.clock_stepped(core.ClockStep(step_ns, now_ns))
-            self._begin_anew(self._odometry.clock_stepped(step_ns))
-        return now_ns
+    def on_clock_step(self, step: core.ClockStep) -> None:
+        """Move the odometry along."""
+        self._begin_anew(self._odometry.clock_stepped(step.step_ns))
 
     def _begin_anew(self, odometry: core.Odometry) -> None:
         self._lean.odometry = odometry

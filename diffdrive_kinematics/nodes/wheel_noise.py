@@ -91,8 +91,8 @@ class WheelNoise(DiffDriveNode[Config]):
         super().__init__(name, WHEEL_NOISE, build, **composition)
         values = self.config.values
         joints = wheel_joints(values)
-        self._reader = WheelReader(joints, encoder_range=values['encoder_range'])
-        self._wheel_watch = WheelWatch(self, self._reader, values['input_topic'])
+        self.wheel_reader = WheelReader(joints, encoder_range=values['encoder_range'])
+        self._wheel_watch = WheelWatch(self, self.wheel_reader, values['input_topic'])
         self._wheels = WheelWriter(joints, self.source())
         self._stream, self._response = self.config.stream, self.config.response
         self._seed = values['seed']
@@ -105,8 +105,8 @@ class WheelNoise(DiffDriveNode[Config]):
     def _on_wheels(self, message: bytes, info: MessageInfo) -> None:
         if self.time.waits_for_clock():
             return
-        now_ns = self._synchronised_now()
-        sample = self._reader.read(message, lambda: now_ns, info.number)
+        now_ns = self.synchronised_now()
+        sample = self.wheel_reader.read(message, lambda: now_ns, info.number)
         if sample is None:
             return
         self.health.statistics.note(now_ns, sample.stamp_ns)
@@ -125,15 +125,11 @@ class WheelNoise(DiffDriveNode[Config]):
             self._publisher.publish(self._wheels.encode(
                 noisy.stamp_ns, noisy.rates, noisy.positions))
 
-    def _synchronised_now(self) -> int:
-        """Return the time, with what is known moved along where simulated time was set back."""
-        now_ns, step_ns = self.time.now_and_step()
-        if step_ns and self.time.is_shared:
-            step = ClockStep(step_ns, now_ns)
-            self._reader.clock_stepped(step)
+    def on_clock_step(self, step: ClockStep) -> None:
+        """Move what is known along where simulated time was set back."""
+        if self.time.is_shared:
             self._stream = self._stream.clock_stepped(step)
             self._response = self._response and self._response.clock_stepped(step)
-        return now_ns
 
     def status(self, sample: RateSample) -> Status:
         """Return how wheel motion passes through."""

@@ -19,6 +19,7 @@ import time
 from typing import (
     Any, Callable, Collection, Generic, Iterator, Mapping, Optional, Sequence, Set, Tuple, TypeVar)
 
+from diffdrive_kinematics.core.odometry import ClockStep
 from diffdrive_kinematics.ros.parameters.parameter_spec import ParameterSpec, with_ranges
 from diffdrive_kinematics.ros.parameters.parameters import ParameterSet
 from diffdrive_kinematics.ros.runtime.clocks import SetBack, SteadyTimers, SteppedClock
@@ -57,7 +58,8 @@ class DiffDriveNode(Node, Generic[Config], metaclass=_LeavesWhereRefused):
     A node with a parameter table: its parts, and what nodes may put in place of the defaults.
 
     ``runtime`` is all that it asks of the world, ``time`` looks at its clock, ``rejections``
-    counts what is refused, ``health`` what is heard and sent.
+    counts what is refused, ``health`` what is heard and sent.  ``wheel_reader`` is told of steps
+    of a clock that others share, where a node has one.
 
     Parameters
     ----------
@@ -79,6 +81,8 @@ class DiffDriveNode(Node, Generic[Config], metaclass=_LeavesWhereRefused):
         If the parameters do not make a configuration.
 
     """
+
+    wheel_reader: Any = None
 
     def __init__(
             self, name: str, table: Tuple[ParameterSpec, ...],
@@ -131,6 +135,19 @@ class DiffDriveNode(Node, Generic[Config], metaclass=_LeavesWhereRefused):
     def subscriptions(self) -> Iterator[Subscription]:
         """Return the subscriptions that an executor is to look after."""
         return (each for each in super().subscriptions if each not in self.polled)
+
+    def synchronised_now(self) -> int:
+        """Return the time [ns], with what is known moved along where the clock was stepped."""
+        now_ns, step_ns = self.time.now_and_step()
+        if step_ns:
+            step = ClockStep(step_ns, now_ns)
+            if self.wheel_reader and self.time.is_shared:
+                self.wheel_reader.clock_stepped(step)
+            self.on_clock_step(step)
+        return now_ns
+
+    def on_clock_step(self, step: ClockStep) -> None:
+        """Move along what is known by the clock, which was stepped."""
 
     def on_clock_look(self, stood_s: float) -> None:
         """Do what a simulated clock that has stood for so long [s] cannot bring about."""

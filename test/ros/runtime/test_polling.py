@@ -145,7 +145,7 @@ def test_a_middleware_that_does_not_note_the_time_of_arrival_hands_messages_on_a
 def test_a_flood_does_not_keep_the_base_at_looking():
     """Each message that is read brings another one, which is there at once."""
     with base_with({}) as base:
-        read, handled = base.node._reader.read, []
+        read, handled = base.node.wheel_reader.read, []
 
         def read_and_publish(*message):
             handled.append(1)
@@ -153,7 +153,7 @@ def test_a_flood_does_not_keep_the_base_at_looking():
                 base.publish(1.0, float(len(handled)))
             return read(*message)
 
-        base.node._reader.read = read_and_publish
+        base.node.wheel_reader.read = read_and_publish
         base.publish(1.0, 0.0)
         base.spin_until(lambda: base.node.reading() and handled, 'the first message')
         assert len(handled) <= QUEUE_DEPTH
