@@ -24,8 +24,8 @@ from diffdrive_kinematics.core.kinematics import WheelGeometry
 from diffdrive_kinematics.ros.inputs.wheel_watch import WheelWatch
 from diffdrive_kinematics.ros.messages.wheel_joints import wheel_joints
 from diffdrive_kinematics.ros.messages.wheel_messages import WheelReader
+from diffdrive_kinematics.ros.parameters.configuration_error import ConfigurationError
 from diffdrive_kinematics.ros.parameters.from_values import check_sides, wheel_geometry
-from diffdrive_kinematics.ros.parameters.parameters import ConfigurationError
 from diffdrive_kinematics.ros.parameters.tables import CALIBRATE
 from diffdrive_kinematics.ros.runtime.clocks import SteadyTimers
 from diffdrive_kinematics.ros.runtime.final_command import HEARTBEAT_S

@@ -19,8 +19,8 @@ from typing import Any, Mapping, NamedTuple, Sequence
 
 from diffdrive_kinematics.core.commands import Drive, DriveSettings, STILL, WheelCommand
 from diffdrive_kinematics.core.odometry import ClockStep
-from diffdrive_kinematics.ros.inputs.command_intake import Backlog, CommandIntake, LATE_NS
-from diffdrive_kinematics.ros.inputs.command_type import CommandType
+from diffdrive_kinematics.ros.inputs.command_intake import (
+    Backlog, CommandIntake, CommandType, LATE_NS)
 from diffdrive_kinematics.ros.inputs.emergency_stop import EmergencyStop
 from diffdrive_kinematics.ros.inputs.publisher_watch import PublisherWatch
 from diffdrive_kinematics.ros.parameters.drive_from_values import drive_settings
@@ -29,9 +29,9 @@ from diffdrive_kinematics.ros.parameters.tables import DIFF_DRIVE_CONTROLLER
 from diffdrive_kinematics.ros.publishers.wheel_commands import WheelCommandPublisher
 from diffdrive_kinematics.ros.runtime.diagnostics import OK, RateSample, Status
 from diffdrive_kinematics.ros.runtime.node import DiffDriveNode
-from diffdrive_kinematics.ros.runtime.one_shot_timer import OneShotTimer
 from diffdrive_kinematics.ros.runtime.rclpy_private import MessageInfo, UNKNOWN
 from diffdrive_kinematics.ros.runtime.running import main_of
+from diffdrive_kinematics.ros.runtime.runtime import OneShotTimer
 from rclpy.publisher import Publisher
 
 REST = (0.0, 0.0)

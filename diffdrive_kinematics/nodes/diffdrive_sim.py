@@ -24,7 +24,7 @@ from diffdrive_kinematics.ros.parameters.from_values import Member, members_of
 from diffdrive_kinematics.ros.parameters.tables import DIFFDRIVE_SIM
 from diffdrive_kinematics.ros.runtime.alone import check_alone, Disturbed
 from diffdrive_kinematics.ros.runtime.clocks import SteadyTimers, SteppedClock
-from diffdrive_kinematics.ros.runtime.demo import run_or_demo
+from diffdrive_kinematics.ros.runtime.command_line import run_or_demo
 from diffdrive_kinematics.ros.runtime.in_flight_messages import InFlightMessages
 from diffdrive_kinematics.ros.runtime.lasting import Lasting
 from diffdrive_kinematics.ros.runtime.node import DiffDriveNode

@@ -22,9 +22,9 @@ from diffdrive_kinematics.core.kinematics import Command, Pose, WheelGeometry
 from diffdrive_kinematics.core.noise import (
     BodySlip, heading_moments, PoseMoments, propagated_moments, reachable_set_from_slip,
     sample_heading, sample_paths, travel_of_command, unit_bound, WheelSlip)
+from diffdrive_kinematics.ros.parameters.configuration_error import ConfigurationError
 from diffdrive_kinematics.ros.parameters.from_values import body_slip, commands_from, wheel_slips
 from diffdrive_kinematics.ros.parameters.package_share import with_params_file
-from diffdrive_kinematics.ros.parameters.parameters import ConfigurationError
 from diffdrive_kinematics.ros.parameters.tables import PLOT_PATHS
 from diffdrive_kinematics.ros.runtime.node import DiffDriveNode
 from diffdrive_kinematics.ros.runtime.output import exit_status, report

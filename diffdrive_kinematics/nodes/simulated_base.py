@@ -29,8 +29,8 @@ from diffdrive_kinematics.ros.parameters.from_values import (
     initial_pose, wheel_geometry)
 from diffdrive_kinematics.ros.parameters.tables import SIMULATED_BASE
 from diffdrive_kinematics.ros.publishers.lean_base import LeanBase
-from diffdrive_kinematics.ros.publishers.odometry import BeliefCorrection, OdometryPublisher
-from diffdrive_kinematics.ros.publishers.path import PathPublisher
+from diffdrive_kinematics.ros.publishers.odometry import (
+    BeliefCorrection, OdometryPublisher, PathPublisher)
 from diffdrive_kinematics.ros.publishers.tf import transforms
 from diffdrive_kinematics.ros.runtime.diagnostics import RateSample, stamp_values, Status
 from diffdrive_kinematics.ros.runtime.node import DiffDriveNode

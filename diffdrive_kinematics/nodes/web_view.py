@@ -21,8 +21,7 @@ from typing import Any, List, Mapping, Tuple
 from diagnostic_msgs.msg import DiagnosticArray
 from diffdrive_kinematics.core.commands import Helm
 from diffdrive_kinematics.core.kinematics import Pose
-from diffdrive_kinematics.ros.inputs.remote_parameters import RemoteParameters
-from diffdrive_kinematics.ros.inputs.remote_triggers import RemoteTriggers
+from diffdrive_kinematics.ros.inputs.other_nodes import RemoteParameters, RemoteTriggers
 from diffdrive_kinematics.ros.messages.codec import TwistCodec
 from diffdrive_kinematics.ros.messages.plain import header_of, pose_message
 from diffdrive_kinematics.ros.parameters.configuration_error import refusing

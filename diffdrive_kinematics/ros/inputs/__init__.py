@@ -12,4 +12,10 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""What comes in and is believed: commands, emergency stop, drivers and their clocks."""
+"""
+What comes in and is believed: commands, emergency stop, drivers and their clocks.
+
+Commands: ``command_intake``, ``emergency_stop``.  Wheel motion: ``wheel_watch`` (its publishers
+and single wheels), ``driver_watch`` (its units and clock).  Of any topic: ``publisher_watch`` (who
+publishes), ``other_clock`` (whose stamps).  What is asked of other nodes: ``other_nodes``.
+"""

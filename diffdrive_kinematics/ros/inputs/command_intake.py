@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Commands as they come: which of them are alive, and what lay in a queue for too long."""
+"""Commands as they come: of what type, which of them are alive, what lay in a queue too long."""
 
 import math
 import time
@@ -25,6 +25,7 @@ from diffdrive_kinematics.ros.inputs.other_clock import StampWatch
 from diffdrive_kinematics.ros.messages.codec import CommandReader
 from diffdrive_kinematics.ros.runtime.diagnostics import Problem
 from diffdrive_kinematics.ros.runtime.rclpy_private import taker_of
+from geometry_msgs import msg
 from rclpy.subscription import Subscription
 
 LATE_NS = 50_000_000  # up to which the age of a command is that of its way here
@@ -36,6 +37,7 @@ BY_SENDING = 'it waited in a queue, or the clock of its sender is behind'
 GRACE_S = 0.1  # which the middleware has to deliver after the process was held up
 PAUSE_S = 0.001
 MOST = 1000
+LOOK_PERIOD_NS = 2_000_000_000
 
 
 class CommandIntake:
@@ -209,3 +211,35 @@ class Backlog:
             if enough() or time.monotonic() >= end:
                 return
             time.sleep(PAUSE_S)
+
+
+class CommandType:
+    """
+    The type of the commands that a node listens to, and its topic.
+
+    Parameters
+    ----------
+    node : DiffDriveNode
+        That listens.
+    values : mapping
+        Its parameters.
+
+    """
+
+    def __init__(self, node: Any, values: Mapping[str, Any]) -> None:
+        self._node, self.stamped = node, values['enable_stamped_cmd_vel']
+        self.message_type = msg.TwistStamped if self.stamped else msg.Twist
+        self.name = f'geometry_msgs/msg/{self.message_type.__name__}'
+        self.topic = node.resolve_topic_name(values['cmd_vel_topic'])
+        self._look_at_ns = node.runtime.now_ns() + LOOK_PERIOD_NS
+
+    def look_for_others(self, now_ns: int) -> None:
+        """Say so now and then where commands are published in a type that is not heard."""
+        if now_ns < self._look_at_ns:
+            return
+        self._look_at_ns = now_ns + LOOK_PERIOD_NS
+        others = {info.topic_type for info in self._node.get_publishers_info_by_topic(self.topic)}
+        if others := others - {self.name}:
+            self._node.get_logger().warning(
+                f"'{self.topic}' carries {', '.join(sorted(others))}, expected {self.name}: is "
+                f'enable_stamped_cmd_vel (now {str(self.stamped).lower()}) set as it should be?')

@@ -18,8 +18,7 @@ import math
 from typing import Any, Dict, List, Optional
 
 from diffdrive_kinematics.core.odometry import Mismatch, Odometry
-from diffdrive_kinematics.ros.inputs.finding import Finding
-from diffdrive_kinematics.ros.runtime.diagnostics import Problem, WARN
+from diffdrive_kinematics.ros.runtime.diagnostics import Finding, Problem, WARN
 
 ALIKE = 1.1  # a factor within a tenth of a known one is that
 UNITS = {'rpm': 30.0 / math.pi, 'deg/s': 180.0 / math.pi, 'turns/s': 0.5 / math.pi}

@@ -16,10 +16,9 @@
 
 from typing import Any, Dict, List
 
-from diffdrive_kinematics.ros.inputs.finding import Finding
 from diffdrive_kinematics.ros.inputs.publisher_watch import LOOK_RATE, PublisherNames
 from diffdrive_kinematics.ros.messages.wheel_messages import WheelReader
-from diffdrive_kinematics.ros.runtime.diagnostics import Problem, WARN
+from diffdrive_kinematics.ros.runtime.diagnostics import Finding, Problem, WARN
 
 MOST_APART_NS = 250_000_000  # of the delays of joints whose clocks agree
 GRACE_NS = 1_000_000_000  # for messages with the other joints

@@ -12,4 +12,8 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""What is published beside odometry: tf and paths."""
+"""
+What nodes publish: odometry with its path, tf, wheel commands.
+
+``lean_base`` is the base's usual tick in one function; the others are what it does in plain words.
+"""

@@ -40,7 +40,7 @@ from diffdrive_kinematics.core.odometry import (
     agree_within_rounding, Anchor, is_run, Odometry, WheelMotion, WheelTrack, ZERO)
 from diffdrive_kinematics.ros.messages.wheel_messages import WheelReader, WheelWriter
 from diffdrive_kinematics.ros.publishers.odometry import OdometryPublisher
-from diffdrive_kinematics.ros.runtime.health import Health
+from diffdrive_kinematics.ros.runtime.diagnostics import Health
 from diffdrive_kinematics.ros.runtime.polling import Poll, QUEUE_DEPTH
 from diffdrive_kinematics.ros.runtime.rclpy_private import hand_on, NUMBER, RECEIVED
 from rclpy.publisher import Publisher

@@ -12,19 +12,20 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Odometry of a base, and where its belief's frame is in the world."""
+"""Odometry of a base, the path it has driven, and where its belief's frame is in the world."""
 
+import math
 from typing import Any, Mapping, Optional, Tuple
 
-from diffdrive_kinematics.core.kinematics import compose, inverse
+from diffdrive_kinematics.core.kinematics import compose, inverse, Pose
 from diffdrive_kinematics.core.noise import twist_covariance
 import diffdrive_kinematics.core.odometry as core
 from diffdrive_kinematics.core.odometry import OdometryHistory, WheelPair
-from diffdrive_kinematics.ros.messages.codec import OdometryCodec
+from diffdrive_kinematics.ros.messages.codec import OdometryCodec, PathCodec
 from diffdrive_kinematics.ros.messages.messages import check_stamp, nanoseconds, pose_in_plane
 from diffdrive_kinematics.ros.publishers.tf import frame_prefix, TransformPublisher
 from diffdrive_kinematics.ros.runtime.node import DiffDriveNode
-from nav_msgs.msg import Odometry
+from nav_msgs.msg import Odometry, Path
 
 
 class OdometryPublisher:
@@ -125,3 +126,48 @@ class BeliefCorrection:
         truth = self._history.pose_at(stamp_ns)
         self._transform.publish(
             stamp_ns, (own, belief.header.frame_id), compose(truth, inverse(believed)))
+
+
+class PathPublisher:
+    """
+    Keeps the last poses of a base, and publishes them where they have changed.
+
+    Parameters
+    ----------
+    node : DiffDriveNode
+        The node that publishes.
+    values : mapping
+        Its parameters: ``path_topic``, ``path_length``, ``path_spacing``, ``path_rate``.
+    frame_id : str
+        Of the poses.
+
+    """
+
+    def __init__(self, node: DiffDriveNode[Any], values: Mapping[str, Any], frame_id: str) -> None:
+        self._spacing = values['path_spacing']
+        self._message = PathCodec(frame_id, values['path_length'])
+        self._last: Optional[Pose] = None
+        self._subscribers = 0
+        self._publisher = node.runtime.publish(Path, values['path_topic'])
+        node.runtime.every(values['path_rate'], self._publish)
+
+    def begin_anew(self) -> None:
+        """Forget the way so far: a robot that was put elsewhere did not drive there."""
+        self._message.clear()
+        self._last = None
+
+    def add(self, time_ns: int, pose: Pose) -> None:
+        """Add a pose where it is far enough from the last one."""
+        if self._last is not None and math.hypot(
+                pose.x - self._last.x, pose.y - self._last.y) < self._spacing:
+            return
+        self._last = pose
+        self._message.add(time_ns, pose)
+        self._subscribers = 0
+
+    def _publish(self) -> None:
+        """Publish the path where it has changed, or somebody subscribes anew."""
+        subscribers = self._publisher.get_subscription_count()
+        if len(self._message) and subscribers > self._subscribers:
+            self._publisher.publish(self._message.encode())
+        self._subscribers = subscribers

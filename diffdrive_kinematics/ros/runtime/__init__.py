@@ -12,4 +12,11 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""What a node lives in: base class, clocks, timers, executors, diagnostics, an end."""
+"""
+What a node lives in: base class, clocks, timers, executors, diagnostics, an end.
+
+Read ``node`` (the base class and its parts) first, then ``runtime`` (all that a node asks of the
+world, answered by rclpy) and ``runtimes`` (answered on stepped time and in the lean loop), for
+which ``clocks`` has the timers; ``running`` is how an executable runs and ends, ``sim_clock`` how
+stepped time goes on.  ``diagnostics``, ``rejections`` and ``node_time`` are parts of every node.
+"""

@@ -12,32 +12,21 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""What keeps a simulation to itself: the machine it is heard on, and who else publishes."""
+"""Whether a simulation is alone: who else publishes what its nodes say to each other."""
 
 from collections import Counter
 import time
-from typing import List, Mapping, MutableMapping, Sequence
+from typing import List, Mapping, Sequence
 
-from diffdrive_kinematics.ros.runtime.output import complain
 from rclpy.node import Node
 from rclpy.topic_endpoint_info import TopicEndpointInfo
 
 POLL_S = 0.01
 UNNAMED = 'a node without a name'
-RANGE = 'ROS_AUTOMATIC_DISCOVERY_RANGE'
-REACH = RANGE, 'ROS_LOCALHOST_ONLY', 'ROS_STATIC_PEERS', 'ROS_DISCOVERY_SERVER'
 
 
 class Disturbed(Exception):
     """Another process publishes what the nodes of this one say to each other."""
-
-
-def keep_to_this_machine(environment: MutableMapping[str, str]) -> None:
-    """Let nobody else hear this process, where nothing is set about it; say so in one line."""
-    if not any(environment.get(name) for name in REACH):
-        environment[RANGE] = 'LOCALHOST'
-        complain('diffdrive_kinematics: the demo is visible on this machine only; '
-                 f'{RANGE}=SUBNET makes it visible on other machines')
 
 
 def check_alone(node: Node, own: Mapping[str, Sequence[str]], *, patience_s: float = 0.0) -> None:

@@ -12,16 +12,18 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""What an executable answers to arguments that are not for ROS: its help, or a refusal."""
+"""What an executable does about its arguments: its help, a refusal, or the demo without any."""
 
+import os
 import sys
-from typing import Optional, Sequence
+from typing import Callable, MutableMapping, Optional, Sequence
 
-from diffdrive_kinematics.ros.parameters.package_share import share_directory
+from diffdrive_kinematics.ros.parameters.package_share import share_directory, with_params_file
 from diffdrive_kinematics.ros.parameters.parameter_checks import check_optional_topic, check_topic
 from diffdrive_kinematics.ros.parameters.parameter_spec import ParameterSpec
 from diffdrive_kinematics.ros.parameters.tables import TABLES
-from diffdrive_kinematics.ros.runtime.output import complain, exit_status, report
+from diffdrive_kinematics.ros.runtime.output import complain, exit_status, report, show
+from diffdrive_kinematics.ros.runtime.running import run, Stop
 
 ROS_ARGS = '--ros-args'
 HELP = '-h', '--help'
@@ -39,6 +41,11 @@ NOTES = {  # on what no parameter that must be set tells
     'diffdrive_sim': 'It runs the demo without a params file. -p record:=drive.csv keeps a drive, '
                      '-p picture:=drive.png draws it.'}
 UNKNOWN = 2  # exit status
+DEMO = (
+    'no params file given: running the demo (config/demo.yaml), a robot that drives a square with '
+    'wheels that slip, so that its odometry drifts away from where it is')
+RANGE = 'ROS_AUTOMATIC_DISCOVERY_RANGE'
+REACH = RANGE, 'ROS_LOCALHOST_ONLY', 'ROS_STATIC_PEERS', 'ROS_DISCOVERY_SERVER'
 
 
 def answer_arguments(name: str, summary: str, argv: Sequence[str]) -> None:
@@ -123,3 +130,26 @@ def _not_for_ros(argv: Sequence[str]) -> Sequence[str]:
         elif argument and not of_ros:
             others.append(argument)
     return others
+
+
+def run_or_demo(work: Callable[[Stop], int]) -> int:
+    """Do ``work``, with the params file of the demo where there is none; return its status."""
+    program, argv = sys.argv[0], with_params_file(sys.argv, 'demo.yaml')
+    if argv is sys.argv:
+        return run(work)
+    show(DEMO)
+    keep_to_this_machine(os.environ)
+    sys.argv = argv  # where nodes look for the files that they were given
+    status = run(work)
+    if not status:
+        show(f'to drive a robot in the browser: {program} --ros-args --params-file '
+             + str(share_directory() / 'config' / 'web.yaml'))
+    return status
+
+
+def keep_to_this_machine(environment: MutableMapping[str, str]) -> None:
+    """Let nobody else hear this process, where nothing is set about it; say so in one line."""
+    if not any(environment.get(name) for name in REACH):
+        environment[RANGE] = 'LOCALHOST'
+        complain('diffdrive_kinematics: the demo is visible on this machine only; '
+                 f'{RANGE}=SUBNET makes it visible on other machines')

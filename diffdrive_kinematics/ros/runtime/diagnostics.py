@@ -33,6 +33,7 @@ ALARMS = {'refused': ERROR, 'timeouts': WARN, 'out of order': WARN, 'clock steps
           'clock steps': WARN, 'position jumps': WARN, 'old commands': WARN}
 SLOW = 0.8  # of the rate that is set
 FEWEST_TO_JUDGE = 5
+HARDWARE = 'robot'  # what a node without a namespace belongs to
 
 
 class Problem(NamedTuple):
@@ -47,6 +48,29 @@ class Status(NamedTuple):
 
     values: Mapping[str, Any]
     problems: List[Problem]
+
+
+class Finding:
+    """
+    What is wrong, in words; empty: nothing.
+
+    Parameters
+    ----------
+    node : DiffDriveNode
+        That says so.
+
+    """
+
+    def __init__(self, node: Any) -> None:
+        self._node, self.text = node, ''
+
+    def note(self, text: str, over: str = '') -> None:
+        """Note what is wrong now; ``over`` is what is said where that has ended."""
+        before, self.text = self.text, text
+        if text and not before:
+            self._node.get_logger().warning(text)
+        elif before and not text and over:
+            self._node.get_logger().info(over)
 
 
 class RateSample(NamedTuple):
@@ -180,6 +204,43 @@ class Reporter:
         return [
             Problem(ALARMS[name], f'{name}: {count - before.get(name, 0)} more, {count} in all')
             for name, count in self._counts.items() if count > before.get(name, 0)]
+
+
+class Health:
+    """
+    Counts what a node hears and sends, and publishes how it is.
+
+    Parameters
+    ----------
+    node : DiffDriveNode
+        Whose health it is; its ``status`` says what only it can tell.
+    rate : float
+        Of reports [Hz]; 0: none.
+
+    """
+
+    def __init__(self, node: Any, rate: float) -> None:
+        self._node, self.statistics, self.sent = node, MessageStatistics(), 0
+        self._reporter: Optional[Reporter] = None
+        if rate:
+            self._reporter = Reporter(
+                node.get_fully_qualified_name(), node.get_namespace().strip('/') or HARDWARE,
+                node.runtime.publish(DiagnosticArray, TOPIC))
+            node.runtime.every(rate, self._report, steadily=True)
+
+    def clock_stepped(self, step_ns: int) -> None:
+        """Note that the clock of the node was stepped."""
+        self.statistics.clock_stepped(step_ns)
+        if self._reporter:
+            self._reporter.clock_stepped(step_ns)
+
+    def _report(self) -> None:
+        runtime, counts = self._node.runtime, self._node.counts
+        sample = self._reporter.sample(runtime.now_ns(), self.sent)
+        values, problems = self._node.status(sample)
+        self._reporter.report(sample.now_ns, Status({
+            **values, **{name: counts[name] for name in ('refused', 'clock steps')}},
+            [*self._node.time.problems(), *problems]))
 
 
 def _text(value: Any) -> str:

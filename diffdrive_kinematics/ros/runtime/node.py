@@ -23,8 +23,7 @@ from diffdrive_kinematics.core.odometry import ClockStep
 from diffdrive_kinematics.ros.parameters.parameter_spec import ParameterSpec, with_ranges
 from diffdrive_kinematics.ros.parameters.parameters import ParameterSet
 from diffdrive_kinematics.ros.runtime.clocks import SetBack, SteadyTimers, SteppedClock
-from diffdrive_kinematics.ros.runtime.diagnostics import RateSample, Status
-from diffdrive_kinematics.ros.runtime.health import Health
+from diffdrive_kinematics.ros.runtime.diagnostics import Health, RateSample, Status
 from diffdrive_kinematics.ros.runtime.in_flight_messages import InFlightMessages
 from diffdrive_kinematics.ros.runtime.node_time import NodeTime
 from diffdrive_kinematics.ros.runtime.rclpy_private import given_overrides, leave_graph

@@ -13,7 +13,7 @@
 # limitations under the License.
 
 """
-The executor of the package, and how an executable runs and ends.
+The executor of the package, and how an executable runs and ends, with what errors of rcl mean.
 
 ``EventsExecutor`` costs half of ``SingleThreadedExecutor`` per callback, and exists since rclpy
 7.1.4.  It must be driven with a finite timeout: without one it can busy-wait and starve its
@@ -26,13 +26,12 @@ import os
 import signal
 import sys
 import time
-from typing import Callable, Iterator, List, Optional, Sequence
+from typing import Callable, Iterator, List, Mapping, Optional, Sequence
 
-from diffdrive_kinematics.ros.parameters.parameters import ConfigurationError
+from diffdrive_kinematics.ros.parameters.configuration_error import ConfigurationError
 from diffdrive_kinematics.ros.runtime import rclpy_private
 from diffdrive_kinematics.ros.runtime.clock_step_guard import ClockStepGuard
 from diffdrive_kinematics.ros.runtime.clocks import SteadyTimers
-from diffdrive_kinematics.ros.runtime.logs import check_log_directory, with_remedy
 from diffdrive_kinematics.ros.runtime.node import DiffDriveNode
 from diffdrive_kinematics.ros.runtime.output import complain, open_stderr
 import rclpy
@@ -44,6 +43,25 @@ SPIN_TIMEOUT_S = 0.1
 ASK_PERIOD_S = 0.1
 CONFIGURATION_ERROR = 2
 SIGNALS = (signal.SIGINT, signal.SIGTERM)
+DIRECTORIES = 'ROS_LOG_DIR', 'ROS_HOME', 'HOME'
+NO_FILES = '--disable-external-lib-logs'
+REMEDY = (
+    'set ROS_LOG_DIR to a directory that can be written (Environment= or LogsDirectory= of a '
+    f'systemd unit), or ROS_HOME or HOME, or keep no log files: --ros-args {NO_FILES}')
+HINTS = {  # to what rcl says of params files, -p and -r
+    'Sequence should be of same type':
+        'all numbers of a list need the same form: [0.1, 0.0, 4.0], not [0.1, 0, 4]',
+    'Error opening YAML file':
+        'the file does not exist (paths are relative to the current directory), or cannot be '
+        'read',
+    'Cannot have a value before ros__parameters':
+        'expected a line NODE: (or /**:), below it ros__parameters: (two underscores), and the '
+        'values below that, each level two spaces further right',
+    'Error parsing a event':
+        'there is no YAML: is it a directory? If not, indent by spaces instead of tabs',
+    "Couldn't parse remap rule":
+        "expected -r FROM:=TO; a namespace begins with '/' and has letters, digits and '_', as in "
+        '-r __ns:=/robot1'}
 
 
 class Interrupted(KeyboardInterrupt):
@@ -194,3 +212,22 @@ def main_of(make: Callable[..., DiffDriveNode]) -> Callable[[], None]:
         sys.exit(run(work))
 
     return main
+
+
+def check_log_directory(environment: Mapping[str, str], argv: Sequence[str]) -> None:
+    """Raise ``ConfigurationError`` where rcl would find no directory, and say so at length."""
+    elsewhere = NO_FILES in argv or environment.get('RCL_LOGGING_IMPLEMENTATION')
+    if not elsewhere and not any(environment.get(name) for name in DIRECTORIES):
+        raise ConfigurationError(
+            f"there is no directory for log files, as {', '.join(DIRECTORIES)} are not set: "
+            f'{REMEDY}')
+
+
+def with_remedy(error: str) -> str:
+    """Return what rcl says, with what to do where that is known."""
+    for words, hint in HINTS.items():
+        if words in error:
+            return f"{error.partition(', at ')[0]}: {hint}"
+    if 'log directory' not in error and 'logging directory' not in error:
+        return error
+    return f"{error.partition(', at ')[0]}: {REMEDY}"

@@ -38,6 +38,9 @@ from rclpy.qos import QoSProfile
 from rclpy.service import Service
 from rclpy.subscription import Subscription
 
+SELDOM = 1e-6  # [Hz], the rate of a timer that is not set
+UNKNOWN_NS = -1
+
 
 class Runtime:
     """
@@ -197,3 +200,36 @@ class Runtime:
     def conclude(self, publish: Callable[[], Sequence[Publisher]]) -> None:
         """Have the final command published, and wait until it has arrived."""
         repeat_until_acknowledged(self._node, publish)
+
+
+class OneShotTimer:
+    """
+    Calls back once, when the clock of a node shows a time.
+
+    Parameters
+    ----------
+    runtime : Runtime
+        Of the node.
+    callback : callable
+        What to call.  It sets the timer again, to None where nothing is due any more.
+
+    """
+
+    def __init__(self, runtime: Runtime, callback: Callable[[], None]) -> None:
+        self._runtime, self._callback = runtime, callback
+        self._time_ns: Optional[int] = None
+        self._timer = runtime.every(SELDOM, self._fire)
+        self._unset_ns = self._timer.timer_period_ns
+
+    def set_to(self, time_ns: Optional[int]) -> None:
+        """Call back at a time [ns]; None: not any more."""
+        if time_ns == self._time_ns:
+            return
+        self._time_ns = time_ns
+        self._timer.timer_period_ns = self._unset_ns if time_ns is None else max(
+            1, time_ns - self._runtime.now_ns())
+        self._timer.reset()
+
+    def _fire(self) -> None:
+        self._time_ns = UNKNOWN_NS  # the timer goes on with its period until it is set
+        self._callback()

@@ -17,7 +17,8 @@
 from pathlib import Path
 import re
 
-from diffdrive_kinematics.ros.runtime.alone import keep_to_this_machine, RANGE, REACH, UNNAMED
+from diffdrive_kinematics.ros.runtime.alone import UNNAMED
+from diffdrive_kinematics.ros.runtime.command_line import keep_to_this_machine, RANGE, REACH
 from geometry_msgs.msg import Twist
 from nav_msgs.msg import Odometry
 import pytest

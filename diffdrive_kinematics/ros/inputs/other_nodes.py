@@ -12,14 +12,15 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Numbers that are parameters of another node: what they are, and how they are set."""
+"""Other nodes: numbers that are parameters of one are shown and set, services are triggered."""
 
 import math
 import time
-from typing import Any, Callable, Dict, Sequence
+from typing import Any, Callable, Dict, Mapping, Sequence
 
 from rcl_interfaces.srv import GetParameters, SetParameters
 from rclpy.parameter import Parameter
+from std_srvs.srv import Trigger
 
 ANSWER_S = 1.0  # after which it is asked again: answers are lost while DDS finds its ends
 
@@ -75,3 +76,38 @@ class RemoteParameters:
         if len(values) == len(self._names):
             self._wanted = not self._show(
                 {name: value.double_value for name, value in zip(self._names, values)})
+
+
+class RemoteTriggers:
+    """
+    Services of ``std_srvs/Trigger``.
+
+    Parameters
+    ----------
+    node : DiffDriveNode
+        Who triggers them.
+    services : mapping of str to sequence of str
+        Names of the services that belong together.
+    complain : callable
+        Called with a text where nobody serves one, or it was not done.
+
+    """
+
+    def __init__(
+            self, node: Any, services: Mapping[str, Sequence[str]],
+            complain: Callable[[str], None]) -> None:
+        self._complain = complain
+        self._clients = {name: [node.runtime.client(Trigger, service) for service in each]
+                         for name, each in services.items()}
+
+    def call(self, name: str) -> None:
+        """Trigger those of a name."""
+        for client in self._clients[name]:
+            if client.service_is_ready():
+                client.call_async(Trigger.Request()).add_done_callback(self._answered)
+            else:
+                self._complain(f"nobody serves '{client.srv_name}'")
+
+    def _answered(self, future: Any) -> None:
+        if not future.result().success:
+            self._complain(future.result().message)
