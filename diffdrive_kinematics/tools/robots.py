@@ -74,12 +74,6 @@ def _robot(base: Any, role: str) -> Robot:
                  (error.real, error.imag) if error else None)
 
 
-def drift(belief: Pose, truth: Pose) -> Tuple[float, float]:
-    """Return the distance [m] and the wrapped heading [rad] from belief to truth."""
-    return (math.hypot(truth.x - belief.x, truth.y - belief.y),
-            wrap_angle(float(truth.theta - belief.theta)))
-
-
 def progress_line(elapsed: float, length: float, robots: List[Robot]) -> str:
     """Return a line of progress [s] with the poses."""
     return f'{elapsed:7.1f} of {length:.1f} s   {_poses(robots)}'
@@ -103,7 +97,9 @@ def drift_table(robots: List[Robot]) -> str:
     for namespace, pair in by_namespace.items():
         by_role = {robot.role: robot.pose for robot in pair}
         if len(pair) == 2 and set(by_role) == {'belief', 'truth'}:
-            distance, turn = drift(by_role['belief'], by_role['truth'])
+            belief, truth = by_role['belief'], by_role['truth']
+            distance = math.hypot(truth.x - belief.x, truth.y - belief.y)
+            turn = wrap_angle(float(truth.theta - belief.theta))
             rows.append(
                 f"{f'drift ({namespace})' if namespace else 'drift':34}"
                 f"{_fixed(1000.0 * distance, 1) + ' mm':>20}{_fixed(math.degrees(turn), 2):>12}")
