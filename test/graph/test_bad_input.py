@@ -85,6 +85,8 @@ REFUSED = [  # executable, parameters, words of the refusal
      ["odom_frame_id and base_frame_id are both 'base_link'", 'different frames']),
     ('simulated_base', {**KHEPERA, 'odom_topic': 'wheel_rates'},
      ["odom_topic is 'wheel_rates'", 'another topic']),
+    ('simulated_base', {**KHEPERA, 'executor': 'multi_threaded'},
+     ["executor is 'multi_threaded'", "expected one of 'auto'"]),
     ('simulated_base', {**KHEPERA, 'odom_topic': 'bad-topic'},
      ["odom_topic is 'bad-topic'", 'expected a topic name']),
     ('robot_description', {**KHEPERA, 'output': 'robot.txt'},

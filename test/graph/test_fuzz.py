@@ -15,14 +15,14 @@
 """Whatever a message or a parameter says, nothing leaves a node, and odometry stays finite."""
 
 from collections import Counter
+from importlib import import_module
 import math
 import re
 
 from builtin_interfaces.msg import Time
 from diffdrive_kinematics.core.kinematics import advance, Pose
-from diffdrive_kinematics.nodes import (
-    calibrate, command_sequence, diff_drive_controller, diffdrive_sim, forward_projection,
-    goal_steering, simulated_base, wheel_noise)
+from diffdrive_kinematics.nodes import calibrate, forward_projection
+from diffdrive_kinematics.nodes.diffdrive_sim import node_class
 from diffdrive_kinematics.ros.parameters.parameter_checks import check_positive_or_nan
 from diffdrive_kinematics.ros.parameters.parameter_spec import Kind
 from diffdrive_kinematics.ros.parameters.parameters import ConfigurationError, ParameterSet
@@ -44,15 +44,10 @@ from support.inside import inside, START_NS
 BATCH = 40  # messages an example
 MESSAGES = 100  # examples of each test: 8 tests, 32,000 messages
 NO_NUMBER = re.compile(r'\b(nan|inf)\b', re.IGNORECASE)
-NODES = {
-    'diff_drive_controller': diff_drive_controller.DiffDriveController,
-    'wheel_noise': wheel_noise.WheelNoise, 'simulated_base': simulated_base.SimulatedBase,
-    'forward_projection': forward_projection.ForwardProjection}
-BUILDERS = {
-    'diff_drive_controller': diff_drive_controller.build, 'wheel_noise': wheel_noise.build,
-    'simulated_base': simulated_base.build, 'command_sequence': command_sequence.build,
-    'forward_projection': forward_projection.build, 'goal_steering': goal_steering.build,
-    'diffdrive_sim': diffdrive_sim.build}
+NODES = {name: node_class(name) for name in (
+    'diff_drive_controller', 'wheel_noise', 'simulated_base', 'forward_projection')}
+BUILDERS = {name: import_module(f'diffdrive_kinematics.nodes.{name}').build for name in (
+    *NODES, 'command_sequence', 'goal_steering', 'diffdrive_sim')}
 
 
 def fuzz(examples):

@@ -20,15 +20,15 @@ from pathlib import Path
 import re
 import signal
 
-from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import PolygonStamped, PoseArray
 from nav_msgs.msg import Odometry
 import numpy as np
 import pytest
-from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState
 from support.graph import JOINTS, KHEPERA, set_stamp, stamp_ns
-from support.stepped import nodes, tell_wheels
+from support.health import statuses_of, WARN, with_health
+from support.stepped import messages, nodes, tell_wheels
 
 pytestmark = pytest.mark.ros
 
@@ -41,40 +41,33 @@ START = (3.0, -2.0, 2.5)
 TOLERANCE = 1e-6  # m: float32 at a few metres
 
 
-def odometry_at(start):
+def odometry_at(start, time_ns=7_000_000_001):
     """Return the odometry of a pose."""
     odometry = Odometry()
     odometry.header.frame_id = 'odom'
-    set_stamp(odometry, 7_000_000_001)
+    set_stamp(odometry, time_ns)
     odometry.pose.pose.position.x, odometry.pose.pose.position.y = start[:2]
     odometry.pose.pose.orientation.z = math.sin(0.5 * start[2])
     odometry.pose.pose.orientation.w = math.cos(0.5 * start[2])
     return odometry
 
 
-def tell(graph, start=START, rates=((6.0, 9.0),)):
+def tell(graph):
     """Tell where the robot is and what its wheels do; return the publisher of odometry."""
-    wheels = graph.publisher(JointState, 'wheel_rates')
-    message = JointState(name=JOINTS)
-    for pair in rates:
-        set_stamp(message, graph.now_ns())
-        message.velocity = list(pair)
-        wheels.publish(message)
-    return graph.publisher(Odometry, 'odom'), odometry_at(start)
+    message = JointState(name=JOINTS, velocity=[6.0, 9.0])
+    set_stamp(message, graph.now_ns())
+    graph.publisher(JointState, 'wheel_rates').publish(message)
+    return graph.publisher(Odometry, 'odom'), odometry_at(START)
 
 
-def project(graph, settings, until, **told):
-    """Start the projection and repeat the odometry until something has come."""
+def project(graph, settings):
+    """Start the projection and repeat the odometry until something has come of both kinds."""
     process = graph.start('forward_projection', settings)
     poses = graph.collect(PoseArray, 'projected_poses')
     boundaries = graph.collect(PolygonStamped, 'projected_boundary')
-    publisher, odometry = tell(graph, **told)
-
-    def arrived():
-        publisher.publish(odometry)
-        return until(poses, boundaries)
-
-    graph.wait_for(arrived, 'projections')
+    publisher, odometry = tell(graph)
+    graph.wait_for(
+        lambda: publisher.publish(odometry) or (poses and boundaries), 'projections')
     return poses, boundaries, process
 
 
@@ -87,8 +80,7 @@ def projected(diffdrive, settings, seconds=0.1, start=START, rates=(6.0, 9.0)):
     for _ in range(round(seconds / 0.05)):
         robot.publish('odom', odometry_at(start))
         robot.advance(0.06)
-    return robot, *([each.message for each in robot.history(topic)] for topic in (
-        'projected_poses', 'projected_boundary'))
+    return robot, *(messages(robot, topic) for topic in ('projected_poses', 'projected_boundary'))
 
 
 def positions(message):
@@ -114,21 +106,10 @@ def furthest_outside(points, polygon):
     return float(np.max(distance[outside]))
 
 
-def tell_the_time(clock, time_ns):
-    """Publish the simulated time [ns]."""
-    message = Clock()
-    message.clock.sec, message.clock.nanosec = divmod(time_ns, 10**9)
-    clock.publish(message)
-
-
 def children(process):
     """Return the processes that a process has started, and that are not gone."""
     return [int(pid) for task in Path(f'/proc/{process.pid}/task').iterdir()
             for pid in (task / 'children').read_text().split()]
-
-
-def both(poses, boundaries):
-    return poses and boundaries
 
 
 @pytest.mark.parametrize('changes', [
@@ -149,7 +130,7 @@ def test_the_published_boundary_contains_every_published_sample(diffdrive, chang
 @pytest.mark.parametrize('executor', ['events', 'single_threaded'])
 def test_a_worker_beside_each_executor_projects_the_same_as_one_in_place(
         graph, diffdrive, executor):
-    poses, boundaries, _ = project(graph, {**SETTINGS, 'executor': executor}, both)
+    poses, boundaries, _ = project(graph, {**SETTINGS, 'executor': executor})
     assert furthest_outside(positions(poses[-1]), vertices(boundaries[-1])) <= TOLERANCE
     _, in_place, around = projected(diffdrive, SETTINGS)
     assert np.array_equal(positions(poses[-1]), positions(in_place[-1]))
@@ -227,7 +208,7 @@ def test_what_nobody_listens_to_starts_no_process(graph):
 
 
 def test_a_projection_whose_process_is_killed_says_so_and_goes_on(graph):
-    poses, _, process = project(graph, {**SETTINGS, 'samples': 5}, both)
+    poses, _, process = project(graph, {**SETTINGS, 'samples': 5})
     child, = children(process)
     os.kill(child, signal.SIGKILL)
     publisher, odometry = tell(graph)
@@ -241,7 +222,7 @@ def test_a_projection_whose_process_is_killed_says_so_and_goes_on(graph):
 @pytest.mark.parametrize('number', [signal.SIGINT, signal.SIGTERM])
 def test_a_projection_ends_in_the_middle_of_its_work_and_leaves_no_process(graph, number):
     poses, _, process = project(
-        graph, {**SETTINGS, 'samples': 100_000, 'stages': 25, 'publish_rate': 100.0}, both)
+        graph, {**SETTINGS, 'samples': 100_000, 'stages': 25, 'publish_rate': 100.0})
     child, = children(process)
     passed, (publisher, odometry) = len(poses), tell(graph)
     graph.wait_for(lambda: publisher.publish(odometry) or len(poses) > passed, 'work')
@@ -250,65 +231,34 @@ def test_a_projection_ends_in_the_middle_of_its_work_and_leaves_no_process(graph
     assert 'Traceback' not in process.output
 
 
-@pytest.mark.parametrize('simulated', [False, True], ids=['stamps', 'node'])
+@pytest.mark.parametrize(
+    'own_s, stamps_s', [(1.7e9, 100.0), (100.0, 1.7e9)], ids=['stamps', 'node'])
 def test_a_clock_that_is_not_that_of_the_stamps_is_named_and_projections_are_right(
-        graph, simulated):
+        diffdrive, capfd, own_s, stamps_s):
     """One of both is simulated: the time of the stamps, or that of the node."""
-    process = graph.start('forward_projection', {
-        **KHEPERA, 'publish_rate': 20.0, 'samples': 2, 'horizon': 4.0, 'use_sim_time': simulated,
-        'diagnostics_rate': 5.0})
-    began_ns = graph.now_ns()
-    clock = graph.publisher(Clock, '/clock') if simulated else None
-    poses = graph.collect(PoseArray, 'projected_poses')
-    looks = graph.collect(DiagnosticArray, '/diagnostics')
-    wheels, odometries = (
-        graph.publisher(kind, topic)
-        for kind, topic in ((JointState, 'wheel_rates'), (Odometry, 'odom')))
-    turning, odometry = JointState(name=JOINTS, velocity=[5.0, 5.0]), Odometry()
-    odometry.pose.pose.orientation.w = 1.0
-
-    def pass_time():
-        """Return what the simulated clock shows [ns]."""
-        simulated_ns = 100 * 10**9 + graph.now_ns() - began_ns
-        if clock:
-            tell_the_time(clock, simulated_ns)
-        return simulated_ns
-
-    def tell():
-        simulated_ns = pass_time()
-        for publisher, message in ((wheels, turning), (odometries, odometry)):
-            set_stamp(message, graph.now_ns() if simulated else simulated_ns)
-            publisher.publish(message)
-
-    def found():
-        tell()
-        return [status for look in looks for status in look.status
-                if 'use_sim_time' in status.message]
-
-    graph.wait_for(lambda: pass_time() and looks, 'a node that knows the time')
-    (level,) = {status.level for status in graph.wait_for(found, 'the finding')}
-    assert level == DiagnosticStatus.WARN
-    topics = '/odom', '/wheel_rates'
-
-    def warnings(topic):
-        return [line for line in process.output.splitlines() if f"stamps on '{topic}'" in line]
-
-    graph.wait_for(lambda: tell() or all(map(warnings, topics)), 'a warning of each topic')
-    for topic in topics:
-        said = warnings(topic)
-        assert len(said) == 1 and '[WARN]' in said[0]
-        assert f'use_sim_time (now {str(simulated).lower()})' in said[0]
-        times = sorted(float(time) for time in re.findall(r'([0-9.]+) s\b', said[0]))
-        assert times[0] == pytest.approx(100.0, abs=60.0) and times[1] > 1e9
-    distance = 5.0 * KHEPERA['wheel_radius'] * 4.0
-    graph.wait_for(lambda: tell() or poses, 'projections')
-    for message in poses:
+    robot = with_health(diffdrive(nodes('forward_projection'), params={
+        **KHEPERA, 'publish_rate': 20.0, 'samples': 2, 'horizon': 4.0, 'diagnostics_rate': 5.0}))
+    robot.listen(PoseArray, 'projected_poses')
+    robot.step_clock(own_s)
+    for number in range(50):
+        at_ns = round((stamps_s + 0.06 * number) * 1e9)
+        tell_wheels(robot, velocity=[5.0, 5.0], at_ns=at_ns)
+        robot.publish('odom', odometry_at((0.0, 0.0, 0.0), at_ns))
+        robot.advance(0.06)
+    found = [status for status in statuses_of(robot, '/forward_projection')
+             if 'use_sim_time' in status[1]]
+    assert {level for level, *_ in found} == {WARN}
+    output = capfd.readouterr().err
+    for topic in ('/odom', '/wheel_rates'):
+        (said,) = [line for line in output.splitlines() if f"stamps on '{topic}'" in line]
+        assert '[WARN]' in said and 'use_sim_time (now ' in said
+        times = [float(time) for time in re.findall(r'([0-9.]+) s\b', said)]
+        assert times == pytest.approx([stamps_s, own_s], abs=3.0)
+    distance, projections = 5.0 * KHEPERA['wheel_radius'] * 4.0, messages(robot, 'projected_poses')
+    assert len(projections) > 20
+    for message in projections:
         assert positions(message) == pytest.approx(np.array([[distance, 0.0]] * 2), abs=1e-9)
-    looks.clear()
-    graph.wait_for(  # without a word from outside but the time
-        lambda: pass_time() and any(
-            'no messages' in status.message for look in looks for status in look.status),
-        'silence')
-    ages = [float(value.value) for look in looks for status in look.status
-            for value in status.values if value.key == 'age of the last odometry [s]']
-    assert ages and all(0.0 <= age < 60.0 for age in ages)
+    robot.advance(5.0)  # without a word from outside but the time
+    _, text, values = statuses_of(robot, '/forward_projection')[-1]
+    assert 'no messages' in text
+    assert float(values['age of the last odometry [s]']) == pytest.approx(5.0, abs=0.3)

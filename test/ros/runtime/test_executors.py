@@ -143,12 +143,6 @@ def test_a_ramp_steps_at_its_own_rate_on_every_executor(graph, executor):
     assert any(exact() for _ in range(TRIES))
 
 
-def test_an_executor_that_there_is_not_is_refused(graph):
-    base = graph.start('simulated_base', {**KHEPERA, 'executor': 'multi_threaded'})
-    assert graph.wait_for(lambda: not base.running, 'the end') and base.wait() == 2
-    assert "executor is 'multi_threaded', expected one of 'auto'" in base.output
-
-
 def test_a_base_that_sleeps_between_its_ticks_is_there_for_whoever_asks(graph):
     """Nothing of it is needs_wakeup: what comes waits for a tenth of a second, and is heard."""
     graph.start('simulated_base', {
