@@ -35,7 +35,6 @@ from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState
 from std_srvs.srv import Trigger
 from support.graph import JOINTS, KHEPERA, set_stamp
-from support.inside import Run
 from support.recorded import RADIUS, RUNS, SEPARATION, TICKS_PER_TURN
 
 SIDE = 12.0 * KHEPERA['wheel_separation']
@@ -74,12 +73,12 @@ def end_positions(report):
 
 
 @pytest.fixture
-def ran(capfd):
+def ran(here):
     """Return what runs an executable that ends well, with settings, and returns its output."""
     def run(name, *settings, files=(), geometry=GEOMETRY):
-        done = Run(name, [
+        done = here(name, [
             *geometry, *(part for file in files for part in ('--params-file', str(file))),
-            *(part for each in settings for part in ('-p', each))], capfd)
+            *(part for each in settings for part in ('-p', each))])
         assert done.wait() == 0, done.output
         return done.output
 
@@ -169,16 +168,14 @@ def test_runs_and_a_side_in_millimetres_are_refused(refused, tmp_path):
 
 
 @pytest.fixture
-def refused(capfd, monkeypatch, tmp_path):
+def refused(here, tmp_path):
     """Return what sees ``calibrate`` refuse settings in one line, and write nothing."""
-    monkeypatch.setenv('RCUTILS_COLORIZED_OUTPUT', '0')
-
     def see(words, *settings):
         before = sorted(tmp_path.iterdir())
         output = [] if any(each.startswith('output:=') for each in settings) else [
             f'output:={tmp_path / "found.yaml"}']
-        calibrate = Run('calibrate', [
-            *GEOMETRY, *(part for each in (*settings, *output) for part in ('-p', each))], capfd)
+        calibrate = here('calibrate', [
+            *GEOMETRY, *(part for each in (*settings, *output) for part in ('-p', each))])
         said = calibrate.output
         assert calibrate.wait() == 2 and words in said, said
         assert len(said.strip().splitlines()) == 1, said

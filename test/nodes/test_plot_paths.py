@@ -25,7 +25,6 @@ from diffdrive_kinematics.tools.drawing import along_arcs, ellipse
 import numpy as np
 import pytest
 from support.graph import CONFIG
-from support.inside import Run
 
 VALUES = {
     **{entry.name: entry.default for entry in PLOT_PATHS}, 'wheel_separation': 0.1,
@@ -94,20 +93,20 @@ def test_the_ellipse_has_95_percent_of_the_positions():
 @MATPLOTLIB
 @pytest.mark.ros
 @pytest.mark.parametrize(('name', 'begins'), [('a.png', b'\x89PNG'), ('a.svg', b'<?xml')])
-def test_the_program_draws_a_picture_and_writes_over_none(capfd, tmp_path, name, begins):
+def test_the_program_draws_a_picture_and_writes_over_none(here, tmp_path, name, begins):
     args = [*ARGS, '-p', f'output:={tmp_path / name}']
-    program = Run('plot_paths', args, capfd)
+    program = here('plot_paths', args)
     assert program.wait() == 0, program.output
     assert (tmp_path / name).read_bytes().startswith(begins)
     assert program.output.strip() == str(tmp_path / name)
-    again = Run('plot_paths', args, capfd)
+    again = here('plot_paths', args)
     assert again.wait() == 2 and 'which exists' in again.output
 
 
 @MATPLOTLIB
 @pytest.mark.ros
-def test_an_output_that_cannot_be_written_is_one_line_and_status_2(capfd):
-    program = Run('plot_paths', [*ARGS, '-p', 'output:=/no/where/a.png'], capfd)
+def test_an_output_that_cannot_be_written_is_one_line_and_status_2(here):
+    program = here('plot_paths', [*ARGS, '-p', 'output:=/no/where/a.png'])
     assert program.wait() == 2 and len(program.output.strip().splitlines()) == 1
     assert "output is '/no/where/a.png'" in program.output
 

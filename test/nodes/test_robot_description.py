@@ -25,7 +25,8 @@ from rcl_interfaces.srv import SetParameters
 import rclpy
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from std_msgs.msg import String
-from support.graph import KHEPERA
+from support.graph import arguments, KHEPERA
+from support.inside import initialised
 
 LATE = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 GEOMETRY = WheelGeometry(
@@ -124,30 +125,30 @@ def test_a_late_listener_gets_the_description_and_every_change_of_geometry(graph
     assert numbers(joints['fl'].find('origin'), 'xyz')[2] == pytest.approx(0.042)
 
 
-def test_a_file_for_robot_state_publisher_has_the_urdf_as_its_parameter(graph, tmp_path):
+@pytest.mark.ros
+def test_a_file_for_robot_state_publisher_has_the_urdf_as_its_parameter(here, tmp_path):
     for name in ('robot.urdf', 'robot.yaml'):
-        writer = graph.start('robot_description', {**KHEPERA, 'output': str(tmp_path / name)})
+        writer = here('robot_description', arguments(
+            {**KHEPERA, 'output': str(tmp_path / name)}))
         assert writer.wait() == 0, writer.output
     urdf = (tmp_path / 'robot.urdf').read_text()
     assert parsed(urdf)[0] == 'base_link'
-    node = rclpy.create_node(
-        'robot_state_publisher', context=graph.context, cli_args=[
-            '--ros-args', '--params-file', str(tmp_path / 'robot.yaml')])
-    try:
+    with initialised(args=['--ros-args', '--params-file', str(tmp_path / 'robot.yaml')]):
+        node = rclpy.create_node('robot_state_publisher')
         assert node.declare_parameter('robot_description', '').value == urdf
-    finally:
         node.destroy_node()
 
 
-def test_the_params_file_of_the_robot_is_not_written_over_unless_asked_to(graph, tmp_path):
+@pytest.mark.ros
+def test_the_params_file_of_the_robot_is_not_written_over_unless_asked_to(here, tmp_path):
     params = tmp_path / 'robot.yaml'
     text = '/**:\n  ros__parameters: {wheel_radius: 0.1, wheel_separation: 0.4}\n'
     params.write_text(text)
     args = ['--ros-args', '--params-file', str(params), '-p', f'output:={params}']
-    refused = graph.start('robot_description', args=args)
+    refused = here('robot_description', args)
     assert refused.wait() == 2 and 'which exists' in refused.output
     assert len(refused.output.strip().splitlines()) == 1, refused.output
     assert params.read_text() == text
-    asked = graph.start('robot_description', args=[*args, '-p', 'overwrite:=true'])
+    asked = here('robot_description', [*args, '-p', 'overwrite:=true'])
     assert asked.wait() == 0, asked.output
     assert 'robot_description: |' in params.read_text()
