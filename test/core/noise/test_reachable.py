@@ -174,7 +174,7 @@ def test_no_sample_that_propagate_draws_is_outside(course, distribution, linear)
 def test_the_area_is_that_of_the_image_of_the_box_within_2_percent(course, number, lateral):
     stages = stages_of(course, number, lateral=lateral)
     bounds = number * (3 if lateral else 2)
-    side, pixels = {2: (2400, (900, 300)), 3: (1600, (900, 300)), 4: (800, (400, 200)),
+    side, pixels = {2: (2400, (900, 300)), 3: (1100, (620, 210)), 4: (560, (280, 140)),
                     6: (300, (150, 80))}[bounds]
     dense = dense_area(stages, side, pixels)
     assert area(boundary_of(stages)) == pytest.approx(dense, rel=0.02)
