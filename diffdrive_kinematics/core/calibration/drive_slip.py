@@ -39,7 +39,7 @@ from diffdrive_kinematics.core.calibration.slip_fit import fit_slip
 from diffdrive_kinematics.core.calibration.slip_result import SlipFit
 from diffdrive_kinematics.core.calibration.slip_window import slip_window, SlipWindow
 from diffdrive_kinematics.core.calibration.trajectory_result import TrajectoryFit
-from diffdrive_kinematics.core.calibration.trajectory_windows import windows_between
+from diffdrive_kinematics.core.calibration.trajectory_windows import Windows, windows_between
 from diffdrive_kinematics.core.calibration.window_weights import distance, REJECTED, Variances
 from diffdrive_kinematics.core.kinematics import Array, Pose, WheelGeometry
 import numpy as np
@@ -47,11 +47,12 @@ import numpy as np
 _Counted = Tuple[SlipWindow, float]
 
 FEWEST_GROUPS = 5
+EVERY = 1.0  # [s] from the start of a window to that of the next
 
 
 def slip_windows(
         geometry: WheelGeometry, drive: RecordedDrive, systematic: CalibrationParameters,
-        length: float, every: float, tolerance: float = 0.1) -> List[SlipWindow]:
+        length: float, every: float) -> List[SlipWindow]:
     """
     Return the slip windows of one length of a drive, calibrated, in order.
 
@@ -63,7 +64,7 @@ def slip_windows(
         The drive.
     systematic : CalibrationParameters
         What is systematic about it.
-    length, every, tolerance : float
+    length, every : float
         As of the windows of a calibration [s]; they do not overlap if ``every`` is above
         ``length``.
 
@@ -83,7 +84,7 @@ def slip_windows(
     4
 
     """
-    chosen = windows_between(drive, (length,), every, tolerance)
+    chosen = windows_between(drive, (length,), every, Windows.tolerance)
     calibrated = replace(
         geometry,
         wheel_separation_multiplier=geometry.wheel_separation_multiplier * systematic.separation)
@@ -103,7 +104,7 @@ def slip_windows(
 
 def fit_drive_slip(
         geometry: WheelGeometry, drives: Sequence[RecordedDrive], fit: TrajectoryFit, *,
-        lengths: Tuple[float, ...] = (2.0, 10.0), every: float = 1.0, equal: bool = True,
+        lengths: Tuple[float, ...] = (2.0, 10.0), equal: bool = True,
         terms: Optional[Sequence[str]] = None) -> SlipFit:
     """
     Return the slip constants of calibrated drives, errors by leaving out groups of windows.
@@ -117,9 +118,7 @@ def fit_drive_slip(
     fit : TrajectoryFit
         What it returned.
     lengths : tuple of float
-        Lengths of the windows [s].
-    every : float
-        Time from the start of one to that of the next [s].
+        Lengths of the windows [s], of which one starts every second.
     equal : bool
         Fit one k for both wheels instead of one each.
     terms : sequence of str, optional
@@ -163,10 +162,10 @@ def fit_drive_slip(
         mine: List[List[_Counted]] = [[] for _ in range(parts)]
         for length in lengths:
             windows = [each for each in slip_windows(
-                geometry, drive, fit.systematic(number), length, every)
+                geometry, drive, fit.systematic(number), length, EVERY)
                 if _credible(each, fit.variances)]
             for n, window in enumerate(windows):
-                mine[n * parts // len(windows)].append((window, min(every / length, 1.0)))
+                mine[n * parts // len(windows)].append((window, min(EVERY / length, 1.0)))
         groups += mine
     whole = _fitted(groups, equal, terms)
     others = [_fitted(groups[:n] + groups[n + 1:], equal, whole.terms) for n in range(len(groups))]

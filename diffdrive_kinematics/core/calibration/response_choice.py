@@ -22,6 +22,7 @@ The error is that of the difference, as both predict the same windows, so that w
 the robot does what no form knows count little.
 """
 
+from itertools import pairwise
 import math
 from typing import Callable, Dict, Mapping, NamedTuple, Sequence, Tuple
 
@@ -235,4 +236,4 @@ def _standard_error(values: Array) -> float:
 
 def _quarters(drive: RecordedDrive) -> Sequence[RecordedDrive]:
     edges = np.linspace(drive.time[0], drive.time[-1], PARTS + 1)
-    return [drive.between(start, end) for start, end in zip(edges, edges[1:])]
+    return [drive.between(start, end) for start, end in pairwise(edges)]

@@ -15,6 +15,7 @@
 """A course of velocity commands with the times at which each begins: LaValle, eq. 2.11."""
 
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import List, NamedTuple, Sequence, Tuple
 
 from diffdrive_kinematics.core.kinematics import check_finite, check_times, Command, NANOSECONDS
@@ -117,7 +118,7 @@ class Course:
         """
         return [
             Command(a.v, a.w, (b.offset_ns - a.offset_ns) / NANOSECONDS)
-            for a, b in zip(self.twists, self.twists[1:])]
+            for a, b in pairwise(self.twists)]
 
 
 def course_from_commands(commands: Sequence[Command]) -> Course:
