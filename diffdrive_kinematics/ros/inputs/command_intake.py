@@ -34,6 +34,7 @@ REPORT_PERIOD_S = 1.0
 BY_STAMP = 'if the clocks differ, set cmd_vel_clock_offset'
 AHEAD = 'stamps ahead of it count as now, commands that are too old by it are ignored'
 BY_SENDING = 'it waited in a queue, or the clock of its sender is behind'
+STALLS = 2  # in a row; a process of more is always that slow, and does not wait each time
 GRACE_S = 0.1  # which the middleware has to deliver after the process was held up
 PAUSE_S = 0.001
 MOST = 1000
@@ -67,7 +68,7 @@ class CommandIntake:
         self._obeyed_ns = BEFORE_ALL_NS
         self._clocks, self._on_own_clock = SenderClocks(0), True
         self._stamps = StampWatch(node, topic, AHEAD)
-        self._asked_s, self._older_until_s = math.inf, 0.0
+        self._asked_s, self._older_until_s, self._stalls = math.inf, 0.0, 0
         self.configure(values)
         if 0.0 < values['cmd_vel_timeout'] < values['stamp_tolerance']:
             node.get_logger().warning(
@@ -152,7 +153,9 @@ class CommandIntake:
         self._asked_s = now_s
         if not self._tolerance_ns or self._node.runtime.is_stepped or self._node.time.is_simulated:
             return False
-        if now_s - before_s > (period_ns + LATE_NS) / NANOSECONDS:
+        stalled = now_s - before_s > (period_ns + LATE_NS) / NANOSECONDS
+        self._stalls = self._stalls + 1 if stalled else 0
+        if 0 < self._stalls <= STALLS:
             self._older_until_s = now_s + GRACE_S
         return now_s < self._older_until_s
 
