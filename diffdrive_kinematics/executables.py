@@ -32,8 +32,9 @@ __all__ = [
 
 
 def _start(name: str) -> None:
-    for number in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(number, lambda *_: sys.exit(0))
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        if number != signal.SIGHUP or signal.getsignal(number) != signal.SIG_IGN:  # nohup
+            signal.signal(number, lambda *_: sys.exit(0))
     gc.disable()  # what is imported stays: to look for garbage in it takes a tenth of the start
     from diffdrive_kinematics.ros.runtime.command_line import answer_arguments
     module = import_module(f'diffdrive_kinematics.nodes.{name}')

@@ -94,7 +94,7 @@ def mean_error_of_the_square():
     return 1e3 * moments.mean_error.real, 1e3 * moments.mean_error.imag
 
 
-@pytest.mark.parametrize('number', SIGNALS, ids=lambda number: number.name)
+@pytest.mark.parametrize('number', [*SIGNALS, signal.SIGHUP], ids=lambda number: number.name)
 def test_a_simulation_without_a_sequence_says_how_to_drive_and_runs_until_asked_to_stop(
         graph, number):
     sim = graph.start(

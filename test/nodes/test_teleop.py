@@ -150,7 +150,7 @@ def test_no_key_drives_before_simulated_time_has_begun(terminal, graph):
     assert all(stamp_ns(message) for message in opened.commands)
 
 
-@pytest.mark.parametrize('number', [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize('number', [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
 def test_a_signal_leaves_the_robot_at_rest_and_the_terminal_as_it_was(terminal, number):
     opened = terminal(key_timeout=1000.0)
     assert termios.tcgetattr(opened.theirs) != opened.before

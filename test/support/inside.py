@@ -29,7 +29,7 @@ import sys
 
 from diffdrive_kinematics.ros.runtime.clocks import SteppedClock
 from diffdrive_kinematics.ros.runtime.in_flight_messages import InFlightMessages
-from diffdrive_kinematics.ros.runtime.running import run
+from diffdrive_kinematics.ros.runtime.running import run, SIGNALS
 import rclpy
 from rclpy.logging import LoggingSeverity
 from rclpy.serialization import serialize_message
@@ -111,7 +111,7 @@ def inside(make, parameters=None, *, name=None, args=None, quiet=False):
 
 def status_of(start, args):
     """Start an executable in a domain of its own; return its exit status."""
-    handlers = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
+    handlers = {number: signal.getsignal(number) for number in SIGNALS}
     before, argv = os.environ.get('ROS_DOMAIN_ID'), sys.argv
     try:
         with own_domain() as domain:

@@ -42,7 +42,7 @@ from rclpy.signals import SignalHandlerOptions
 SPIN_TIMEOUT_S = 0.1
 ASK_PERIOD_S = 0.1
 CONFIGURATION_ERROR = 2
-SIGNALS = (signal.SIGINT, signal.SIGTERM)
+SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)  # the last where its terminal is gone
 DIRECTORIES = 'ROS_LOG_DIR', 'ROS_HOME', 'HOME'
 NO_FILES = '--disable-external-lib-logs'
 REMEDY = (
@@ -73,13 +73,14 @@ class Interrupted(KeyboardInterrupt):
 
 
 class Stop:
-    """Turns true on SIGINT and SIGTERM, so that nodes can still publish their final commands."""
+    """Turns true where it is to end, so that nodes can still publish their final commands."""
 
     def __init__(self) -> None:
         self.number = 0
         self._interrupts = False
         for number in SIGNALS:
-            signal.signal(number, self._ask)
+            if number != signal.SIGHUP or signal.getsignal(number) != signal.SIG_IGN:  # nohup
+                signal.signal(number, self._ask)
 
     def __bool__(self) -> bool:
         """Return whether the process was asked to stop."""

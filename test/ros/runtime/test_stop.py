@@ -17,14 +17,14 @@
 import os
 import signal
 
-from diffdrive_kinematics.ros.runtime.running import Interrupted, Stop
+from diffdrive_kinematics.ros.runtime.running import Interrupted, SIGNALS, Stop
 import pytest
 
 
 @pytest.fixture
 def stop():
     """Yield a Stop, and give the signals back to who had them."""
-    before = [(number, signal.getsignal(number)) for number in (signal.SIGINT, signal.SIGTERM)]
+    before = [(number, signal.getsignal(number)) for number in SIGNALS]
     try:
         yield Stop()
     finally:
@@ -32,7 +32,7 @@ def stop():
             signal.signal(number, handler)
 
 
-@pytest.mark.parametrize('number', [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize('number', SIGNALS)
 def test_work_is_interrupted_wherever_it_is_and_only_while_it_may_be(stop, number):
     with pytest.raises(Interrupted) as interrupted:
         with stop.interrupting():
@@ -52,3 +52,17 @@ def test_work_after_a_signal_is_interrupted_by_the_next_one(stop):
             assert stop.number == signal.SIGINT
             os.kill(os.getpid(), signal.SIGINT)
             sum(range(10**8))
+
+
+@pytest.mark.parametrize('ignored', [False, True])
+def test_a_terminal_that_is_closed_ends_it_unless_it_is_to_outlive_that(ignored):
+    """As with nohup."""
+    before = [(number, signal.getsignal(number)) for number in SIGNALS]
+    try:
+        signal.signal(signal.SIGHUP, signal.SIG_IGN if ignored else signal.SIG_DFL)
+        stop = Stop()
+        os.kill(os.getpid(), signal.SIGHUP)
+        assert bool(stop) is not ignored
+    finally:
+        for number, handler in before:
+            signal.signal(number, handler)
