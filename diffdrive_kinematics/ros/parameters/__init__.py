@@ -17,5 +17,5 @@ Parameters of nodes: specifications and tables, judged as a whole; params files.
 
 Read ``parameter_spec`` (what one is) and a table of ``tables`` first, then ``parameters`` (the set
 of a node: declared, judged, changed) and ``from_values`` (what the values become in the core).
-What users get wrong in params files is found by ``unknown_names`` and ``sections``.
+What users get wrong is found by ``unknown_names``, ``sections`` and ``other_units``.
 """
