@@ -90,8 +90,9 @@ class Process:
         return self._file.read()
 
     def check(self) -> None:
-        """Raise ``ProcessFailed`` if it has ended with an error, and was not to end."""
+        """Raise ``ProcessFailed``, once, if it has ended with an error, and was not to end."""
         if self.status and not self._to_end:
+            self._to_end = True
             raise ProcessFailed(self.describe(f'ended with status {self.status}'))
 
     def describe(self, what: str) -> str:

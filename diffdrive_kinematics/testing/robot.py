@@ -16,7 +16,7 @@
 
 import math
 from pathlib import Path
-from typing import Any, Callable, List, Mapping, Optional, Sequence, Union
+from typing import Any, Callable, Mapping, Optional, Sequence, Union
 
 from diffdrive_kinematics.testing.checks import (
     check_command, check_condition, check_number, refuse, whole_steps)
@@ -57,7 +57,6 @@ class Robot(Topics):
             params: Optional[Mapping[str, Any]] = None, noise: Optional[Mapping[str, Any]] = None,
             clock_step: Optional[float] = None) -> None:
         made = composition(config, params or {}, noise or {}, clock_step)
-        self._processes: List[Process] = []
         self._nodes = RobotNodes(made)
         self._guardian = Guardian()
         self.domain = self._nodes.domain
@@ -165,7 +164,7 @@ class Robot(Topics):
         odom = self.odom if self._nodes.of(*BASES) else 'not there'
         raise AssertionError('\n'.join([
             f'not within {timeout} simulated seconds; odom is {odom}', *self._nodes.problems(),
-            *(process.describe('runs') for process in self._processes)]))
+            *(process.describe('runs') for process in self._stepping.processes)]))
 
     def start_process(
             self, command: Sequence[str], *, lockstep: bool = False, restless: bool = False,
@@ -197,7 +196,7 @@ class Robot(Topics):
             words, {**environment_of(self.domain), **(environment or {})},
             name=' '.join(Path(word).name for word in words), lockstep=lockstep,
             restless=restless)
-        self._processes.append(process)
+        self._stepping.processes.append(process)
         self._guardian.guard(process.pid)
         self._stepping.begin(process, arrival)
         self._guardian.sweep(process.note_shared_memory())
@@ -225,7 +224,7 @@ class Robot(Topics):
 
     def close(self) -> None:
         """End everything."""
-        for process in self._processes:
+        for process in self._stepping.processes:
             process.close()
             self._guardian.release(process.pid, process.shared_memory)
         self._stepping.close()

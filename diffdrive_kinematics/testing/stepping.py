@@ -178,8 +178,7 @@ class Stepping:
 
     def begin(self, process: Process, arrival: Arrival) -> None:
         """Wait until a process is there, and it and the robot hear all that they say."""
-        known = {each.name for each in self.processes if each.running}
-        self.processes.append(process)
+        known = {each.name for each in self.processes if each.running} - {process.name}
 
         def greeted() -> bool:
             process.check()

@@ -167,6 +167,8 @@ def test_a_process_that_dies_is_reported_by_name_with_its_output(diffdrive, file
     with pytest.raises(ProcessFailed, match=r'dies.py[\s\S]*no plan'):
         robot.start_process([sys.executable, path])
         robot.advance(5.0, wait_for='cmd_vel')
+    robot.drive(0.2, 0.0, 1.0)  # it is told once: what the robot does then can be tested
+    assert robot.odom.x > 0.1
 
 
 def test_a_process_that_hangs_is_reported_by_name_with_its_output(

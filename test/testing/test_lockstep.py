@@ -27,6 +27,7 @@ from unittest.mock import ANY
 from diffdrive_kinematics.testing import arrival, stepping
 from diffdrive_kinematics.testing.at_rest import can_tell, Rest, Threads
 from diffdrive_kinematics.testing.processes import ProcessFailed, sleepless
+from geometry_msgs.msg import PoseStamped
 import pytest
 from support.closed_loop import BUSY, driven, other_work, STEP_S
 from support.planners import ROBOT
@@ -170,6 +171,20 @@ def test_what_a_node_says_when_it_hears_the_time_for_the_first_time_is_of_that_t
     assert commands(robot) == [50]
     robot.advance(10 * STEP_S)
     assert commands(robot) == [*range(50, 61)]
+
+
+def test_a_node_that_acknowledges_no_messages_hears_the_first_one_of_a_topic(diffdrive, files):
+    path = files / 'hears_at_best_effort.py'
+    text = (files / 'my_planner.py').read_text().replace(
+        'import rclpy\n', 'import rclpy\nfrom rclpy.qos import qos_profile_sensor_data\n')
+    hears = '    def on_goal(self, message):\n'
+    path.write_text(text.replace(hears, f"{hears}        print('goal')\n").replace(
+        'self.on_goal, 10)', 'self.on_goal, qos_profile_sensor_data)'))
+    robot = diffdrive(params=ROBOT)
+    process = robot.start_process([sys.executable, path])
+    robot.publish('goal_pose', PoseStamped())
+    robot.advance(STEP_S)
+    assert process.output == 'goal\n'
 
 
 def test_a_node_that_is_started_again_under_its_name_misses_no_step(diffdrive, files):
