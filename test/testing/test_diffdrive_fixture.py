@@ -171,6 +171,7 @@ def test_a_process_that_dies_is_reported_by_name_with_its_output(diffdrive, file
     assert robot.odom.x > 0.1
 
 
+@pytest.mark.slow
 def test_a_process_that_hangs_is_reported_by_name_with_its_output(
         diffdrive, files, monkeypatch):
     path = files / 'hangs.py'
@@ -184,6 +185,7 @@ def test_a_process_that_hangs_is_reported_by_name_with_its_output(
     assert process.running
 
 
+@pytest.mark.slow
 def test_every_process_ends_with_the_test_even_one_that_ignores_it(diffdrive, files):
     path = files / 'stubborn.py'
     path.write_text('import signal\nfor number in (signal.SIGINT, signal.SIGTERM):\n'

@@ -196,6 +196,7 @@ def test_a_node_that_is_started_again_under_its_name_misses_no_step(diffdrive, f
         process.kill()
 
 
+@pytest.mark.slow
 def test_a_node_that_hangs_is_named_though_it_tells_nothing(diffdrive, files, monkeypatch):
     path = files / 'hangs.py'
     path.write_text((files / 'my_planner.py').read_text().replace(
@@ -222,6 +223,7 @@ def test_a_node_that_waits_for_ever_is_named_by_who_waits_for_the_robot(diffdriv
         robot.advance_until(lambda: robot.odom.speed > 0.1, timeout=1.0)
 
 
+@pytest.mark.slow
 def test_a_node_that_never_rests_is_told_so_and_may_be_given_silence(
         diffdrive, files, monkeypatch):
     command = [sys.executable, files / 'never_rests.py']

@@ -73,6 +73,7 @@ def found_in(recordings, **changes):
     return [getattr(result.geometry, name) for name in MULTIPLIERS], result.slips, remarks
 
 
+@pytest.mark.slow
 def test_six_runs_give_the_same_wheels_and_slip_as_mcap_as_sqlite3_and_as_csv(tmp_path):
     csv, slips, _ = found_in(RUNS)
     for storage in bags.STORES:

@@ -44,6 +44,7 @@ def test_a_clock_that_drifts_is_found_with_its_drift():
         assert drift_pays(fit.drift_ratios[0])
 
 
+@pytest.mark.slow
 def test_a_clock_that_does_not_drift_keeps_the_offset_alone():
     fits = [chosen(seed, 0.0)[1] for seed in range(SEEDS)]
     kept = [fit for fit in fits if fit.names[-1] == 'offset of drive 1']
@@ -60,6 +61,7 @@ def test_the_fit_without_a_drift_is_that_of_offsets():
     assert offsets.drift_ratios == (None,)
 
 
+@pytest.mark.slow
 def test_the_ratio_of_clocks_that_do_not_drift_is_chi_square_of_one_degree():
     ratios = np.array([chosen(seed, 0.0)[1].drift_ratios[0] for seed in range(SEEDS)])
     assert 0.4 < np.mean(ratios) < 2.0
@@ -94,6 +96,7 @@ def test_drives_too_short_for_drifts_are_fitted_with_offsets():
     assert 'offset of drive 1' in fit.names
 
 
+@pytest.mark.slow
 def test_clocks_of_a_real_session_drift_and_would_pass_for_slip_or_for_jitter_of_stamps():
     drives = [encoder_drive(path) for path in RUNS]
     nominal = type(GEOMETRY)(SEPARATION, RADIUS)
