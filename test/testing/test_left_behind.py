@@ -31,7 +31,7 @@ from support.planners import ROBOT
 pytestmark = [pytest.mark.ros, pytest.mark.slow]
 
 DEADLINE_S = 60.0
-WORKERS = 3
+WORKERS = 4
 TALK = f"""
 import sys
 

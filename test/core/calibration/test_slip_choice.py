@@ -36,7 +36,7 @@ ORIGIN = Pose(0.0, 0.0, 0.0)
 NOISE = ReferenceNoise(5e-4, 2e-3)
 WHEELS = (1e-6, NO_BODY_SLIP)
 BODY = (0.0, BodySlip(1e-3, 1e-2, 4e-3))  # as of robots without encoders
-SEEDS = 5
+SEEDS = 10
 
 
 @lru_cache(maxsize=None)

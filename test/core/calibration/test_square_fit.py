@@ -27,7 +27,7 @@ import pytest
 NOMINAL = WheelGeometry(0.2, 0.05)
 SIDE, K = 2.0, 1e-6
 E_B, E_D = 1.02, 1.01
-SEEDS, FEWER_SEEDS, PARTS = 1000, 500, 5
+SEEDS, FEWER_SEEDS, PARTS = 2000, 500, 5
 Z = 3.2905  # of 99.9 %, two-sided
 FEW_OR_SLOW = [3, *(pytest.param(n, marks=pytest.mark.slow) for n in (2, 4, 5))]
 
