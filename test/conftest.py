@@ -15,8 +15,11 @@
 """What all tests share: reproducible property tests, and a ROS domain for each ROS test."""
 
 import os
+import signal
 
 os.environ['ROS_PYTHON_CHECK_FIELDS'] = '1'  # before any message type is imported
+
+signal.signal(signal.SIGHUP, signal.SIG_DFL)  # also where all of it is started by nohup
 
 from hypothesis import settings  # noqa: E402, I100
 import pytest  # noqa: E402
@@ -40,6 +43,8 @@ def pytest_configure(config):
 def pytest_collection_modifyitems(items):
     """Mark what starts ROS processes as slow, unless it is marked as quick."""
     for item in items:
+        if 'here' in item.fixturenames:
+            item.add_marker('ros')
         if STARTING & {*item.fixturenames}:
             item.add_marker('ros')
             if not item.get_closest_marker('quick'):

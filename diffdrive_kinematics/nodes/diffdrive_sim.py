@@ -185,9 +185,9 @@ class DiffDriveSim(DiffDriveNode[Config]):
             return False
         now_ns = self._courses[0].runtime.now_ns()
         self._rest_by_ns = self._rest_by_ns or now_ns + REST_TIMEOUT_NS
-        rests = now_ns > self._rest_by_ns or all(
-            base.reading().rates == (0.0, 0.0) for base in self._of(*BASES))
-        return rests if self.clock_driver else self._rest_lasts(rests)
+        rests = all(base.reading().rates == (0.0, 0.0) for base in self._of(*BASES))
+        return now_ns > self._rest_by_ns or (
+            rests if self.clock_driver else self._rest_lasts(rests))
 
     def _show_progress(self, course: Any) -> None:
         shown = int(PROGRESS_LINES * course.elapsed_s() / course.length_s)

@@ -30,6 +30,7 @@ from rosgraph_msgs.msg import Clock
 __all__ = ['Stepping']
 
 DEADLINE_S = REST_S = 20.0
+ARRIVAL_S = 60.0
 POLL_S = 0.02
 REST_POLL_S = 0.00005
 SOON, LATER = 0.7, 1.1  # parts of the time that it usually takes
@@ -64,6 +65,8 @@ class Stepping:
 
     def step(self, *, tell: bool = True, wait_for: Optional[str] = None) -> None:
         """Let one step pass; ``tell`` the processes, and wait until they have handled it."""
+        if tell:
+            self._check()
         self.clock.advance_to(self.clock.now_ns() + self.step_ns)
         self._messages.forget()
         if self._messages.disturbances.hand_on_late():
@@ -76,16 +79,20 @@ class Stepping:
 
     def jump(self, step_ns: int) -> None:
         """Step the clock itself; timers of robots do not run on it, and go on as before."""
+        self._check()
         for timer in self.clock.timers:
             timer.next_ns += step_ns
         self._messages.disturbances.clock_stepped(step_ns)
         self.clock.advance_to(self.clock.now_ns() + step_ns)
         self.tell()
 
-    def tell(self, wait_for: Optional[str] = None) -> None:
-        """Show the time to the processes, and wait until they have handled it."""
+    def _check(self) -> None:
+        """Raise ``ProcessFailed`` before a step which the others would miss."""
         for process in self.processes:
             process.check()
+
+    def tell(self, wait_for: Optional[str] = None) -> None:
+        """Show the time to the processes, and wait until they have handled it."""
         self._watch(self._watched(), self._rest.asleep, 'before the time')  # who hears the robot
         came = self._messages.arrived[wait_for] if wait_for else 0
         now_ns = self.clock.now_ns()
@@ -195,7 +202,7 @@ class Stepping:
             self.wait(lambda: arrival.shows(['/clock'], heard=True) or not process.running,
                       'listen to /clock', [process], show=True)
         self.wait(lambda: arrival.complete(self.all_matched(), process), 'come to rest',
-                  self.processes, show=True)
+                  [process], show=True, timeout=ARRIVAL_S)
         process.nodes = arrival.answered
         arrival.close()
         self._show()

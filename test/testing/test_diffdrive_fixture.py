@@ -172,6 +172,23 @@ def test_a_process_that_dies_is_reported_by_name_with_its_output(diffdrive, file
 
 
 @pytest.mark.slow
+def test_no_step_is_missed_where_another_process_dies(diffdrive, files):
+    path = files / 'dies_later.py'
+    path.write_text((files / 'my_planner.py').read_text().replace("'cmd_vel'", "'other'").replace(
+        '        command = Twist()', '        command = Twist()\n'
+        '        if self.get_clock().now().nanoseconds > 500_000_000:\n'
+        "            raise RuntimeError('no plan')"))
+    robot = diffdrive(params=ROBOT)
+    robot.start_process([sys.executable, files / 'my_planner.py'])
+    robot.start_process([sys.executable, path])
+    with pytest.raises(ProcessFailed, match=r'dies_later.py[\s\S]*no plan'):
+        robot.advance(2.0)
+    robot.advance(0.5)
+    steps = [round(each.time / 0.02) for each in robot.history('cmd_vel')]
+    assert steps[-1] > 40 and steps == [*range(steps[0], steps[-1] + 1)]
+
+
+@pytest.mark.slow
 def test_a_process_that_hangs_is_reported_by_name_with_its_output(
         diffdrive, files, monkeypatch):
     path = files / 'hangs.py'

@@ -80,7 +80,7 @@ class AnsweredMotion(NamedTuple):
         due : list of WheelSample
             What is done, in order of time.  A command that is stamped among the repeats of the
             last one takes the place of those after it, and one of before is dropped, as bases do;
-            where time went back by more than a second, all that waited is dropped.
+            where it is of more than a second before the rates changed last, all that waited is.
 
         Examples
         --------

@@ -34,7 +34,7 @@ REPORT_PERIOD_S = 1.0
 BY_STAMP = 'if the clocks differ, set cmd_vel_clock_offset'
 AHEAD = 'stamps ahead of it count as now, commands that are too old by it are ignored'
 BY_SENDING = 'it waited in a queue, or the clock of its sender is behind'
-STALLS = 2  # in a row; a process of more is always that slow, and does not wait each time
+STALLS, CALM_S = 5, 1.0  # more, less apart, are none: such a process is slow, and goes on
 GRACE_S = 0.1  # which the middleware has to deliver after the process was held up
 PAUSE_S = 0.001
 MOST = 1000
@@ -68,7 +68,8 @@ class CommandIntake:
         self._obeyed_ns = BEFORE_ALL_NS
         self._clocks, self._on_own_clock = SenderClocks(0), True
         self._stamps = StampWatch(node, topic, AHEAD)
-        self._asked_s, self._older_until_s, self._stalls = math.inf, 0.0, 0
+        self._asked_s, self._older_until_s = math.inf, 0.0
+        self._stalled_s, self._stalls = 0.0, 0
         self.configure(values)
         if 0.0 < values['cmd_vel_timeout'] < values['stamp_tolerance']:
             node.get_logger().warning(
@@ -153,10 +154,11 @@ class CommandIntake:
         self._asked_s = now_s
         if not self._tolerance_ns or self._node.runtime.is_stepped or self._node.time.is_simulated:
             return False
-        stalled = now_s - before_s > (period_ns + LATE_NS) / NANOSECONDS
-        self._stalls = self._stalls + 1 if stalled else 0
-        if 0 < self._stalls <= STALLS:
-            self._older_until_s = now_s + GRACE_S
+        if now_s - before_s > (period_ns + LATE_NS) / NANOSECONDS:
+            self._stalls = self._stalls + 1 if before_s - self._stalled_s < CALM_S else 1
+            self._stalled_s = now_s
+            if self._stalls <= STALLS:
+                self._older_until_s = now_s + GRACE_S
         return now_s < self._older_until_s
 
     def none_before(self, time_ns: int) -> None:

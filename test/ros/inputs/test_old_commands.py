@@ -34,7 +34,7 @@ SPEED = 0.2  # [m/s]
 UDP = {'FASTDDS_BUILTIN_TRANSPORTS': 'UDPv4'}
 TIMEOUT_S = 1.0
 LONGEST_S = 1.5 * TIMEOUT_S  # a silence beyond it is not that of the stall alone
-TRIES = 20  # as a busy machine may hold up this process, too
+TRIES = 8  # as a busy machine may hold up this process, too
 HELD_UP_S = 0.4 * TIMEOUT_S  # what the machine may add: a middleware takes half a second more
 # its own code is at work elsewhere for longer than that, while its middleware goes on
 BUSY = f"""

@@ -60,6 +60,7 @@ def test_what_real_robots_have_is_not_doubted(name, value):
     assert doubt_of(name, value) == ''
 
 
+@pytest.mark.ros
 def test_each_is_said_once_in_a_process_and_the_nodes_start(capfd):
     with initialised({**MM, **NO_TF, 'cmd_vel_timeout': 500, 'publish_rate': 50.0}):
         for made in (DiffDriveController(), SimulatedBase()):
@@ -68,6 +69,7 @@ def test_each_is_said_once_in_a_process_and_the_nodes_start(capfd):
     assert sorted(said) == ['cmd_vel_timeout', *MM]
 
 
+@pytest.mark.ros
 def test_one_that_is_set_on_the_way_is_said_as_well(capfd):
     with inside(SimulatedBase, {**KHEPERA, **NO_TF}) as held:
         assert not warnings(capfd)
@@ -78,6 +80,7 @@ def test_one_that_is_set_on_the_way_is_said_as_well(capfd):
         assert not warnings(capfd)
 
 
+@pytest.mark.ros
 def test_a_course_of_a_robot_in_metres_is_not_doubted(capfd):
     with initialised({'commands': [0.2, 0.0, 300.0]}):
         CommandSequence().destroy_node()
