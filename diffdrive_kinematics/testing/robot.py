@@ -223,12 +223,12 @@ class Robot(Topics):
         self._stepping.jump(round(step))
 
     def close(self) -> None:
-        """End everything."""
+        """End everything; the robot first, as a killed writer leaves its shared memory locked."""
+        self._stepping.close()
+        self._nodes.close()
         for process in self._stepping.processes:
             process.close()
             self._guardian.release(process.pid, process.shared_memory)
-        self._stepping.close()
-        self._nodes.close()
         self._guardian.close()
 
     def _settle(self) -> None:

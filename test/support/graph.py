@@ -134,11 +134,17 @@ class Graph:
         return process
 
     def close(self):
-        for process in self.processes:
-            process.kill()
+        """
+        End all; the node of the test first.
+
+        Who is killed while it writes into the shared memory of another one leaves it locked.  Fast
+        DDS then makes that anew, and dies of a segmentation fault if it ends meanwhile.
+        """
         self.executor.shutdown()
         self.node.destroy_node()
         rclpy.try_shutdown(context=self.context)
+        for process in self.processes:
+            process.kill()
         delete_left()
 
     def wait_for(self, condition, what, timeout=DEADLINE_S):

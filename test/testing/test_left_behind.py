@@ -21,6 +21,7 @@ import subprocess
 import sys
 import time
 
+from diffdrive_kinematics.testing import Robot
 import pytest
 from sensor_msgs.msg import JointState
 from support.domains import own_domain
@@ -126,3 +127,25 @@ def test_a_process_that_a_graph_ends_leaves_no_segment_behind_and_those_of_other
         finally:
             other.close()
     assert not any(there(theirs)) and all(there(own))
+
+
+def test_a_graph_ends_its_own_context_before_it_kills_who_writes_to_it():
+    """Fast DDS dies of a segmentation fault otherwise, now and then."""
+    with own_domain() as domain:
+        graph = Graph(domain)
+        base = graph.start('simulated_base', {**KHEPERA, 'enable_odom_tf': False})
+        lived = []
+        graph.context.on_shutdown(lambda: lived.append(base.running))
+        graph.close()
+    assert lived == [True]
+
+
+def test_a_robot_ends_before_the_processes_that_write_to_it(files):
+    robot = Robot(params=ROBOT)
+    try:
+        planner = robot.start_process([sys.executable, files / 'my_planner.py'])
+        lived = []
+        robot._nodes._context.on_shutdown(lambda: lived.append(planner.running))
+    finally:
+        robot.close()
+    assert lived == [True] and not planner.running
