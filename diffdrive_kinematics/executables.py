@@ -22,8 +22,9 @@ longer than an impatient Ctrl-C.
 from functools import partial
 import gc
 from importlib import import_module
-import signal
 import sys
+
+from diffdrive_kinematics.ros.runtime.signals import answer_signals
 
 __all__ = [
     'calibrate', 'command_sequence', 'diff_drive_controller', 'diffdrive_sim',
@@ -32,9 +33,7 @@ __all__ = [
 
 
 def _start(name: str) -> None:
-    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
-        if number != signal.SIGHUP or signal.getsignal(number) != signal.SIG_IGN:  # nohup
-            signal.signal(number, lambda *_: sys.exit(0))
+    answer_signals(lambda *_: sys.exit(0))
     gc.disable()  # what is imported stays: to look for garbage in it takes a tenth of the start
     from diffdrive_kinematics.ros.runtime.command_line import answer_arguments
     module = import_module(f'diffdrive_kinematics.nodes.{name}')

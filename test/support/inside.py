@@ -29,7 +29,8 @@ import sys
 
 from diffdrive_kinematics.ros.runtime.clocks import SteppedClock
 from diffdrive_kinematics.ros.runtime.in_flight_messages import InFlightMessages
-from diffdrive_kinematics.ros.runtime.running import run, SIGNALS
+from diffdrive_kinematics.ros.runtime.running import run
+from diffdrive_kinematics.ros.runtime.signals import SIGNALS
 import rclpy
 from rclpy.logging import LoggingSeverity
 from rclpy.serialization import serialize_message

@@ -34,6 +34,7 @@ from diffdrive_kinematics.ros.runtime.clock_step_guard import ClockStepGuard
 from diffdrive_kinematics.ros.runtime.clocks import SteadyTimers
 from diffdrive_kinematics.ros.runtime.node import DiffDriveNode
 from diffdrive_kinematics.ros.runtime.output import complain, open_stderr
+from diffdrive_kinematics.ros.runtime.signals import answer_signals, SIGNALS
 import rclpy
 from rclpy.exceptions import NameValidationException
 from rclpy.executors import Executor, ExternalShutdownException, SingleThreadedExecutor
@@ -42,7 +43,6 @@ from rclpy.signals import SignalHandlerOptions
 SPIN_TIMEOUT_S = 0.1
 ASK_PERIOD_S = 0.1
 CONFIGURATION_ERROR = 2
-SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)  # the last where its terminal is gone
 DIRECTORIES = 'ROS_LOG_DIR', 'ROS_HOME', 'HOME'
 NO_FILES = '--disable-external-lib-logs'
 REMEDY = (
@@ -78,9 +78,7 @@ class Stop:
     def __init__(self) -> None:
         self.number = 0
         self._interrupts = False
-        for number in SIGNALS:
-            if number != signal.SIGHUP or signal.getsignal(number) != signal.SIG_IGN:  # nohup
-                signal.signal(number, self._ask)
+        answer_signals(self._ask)
 
     def __bool__(self) -> bool:
         """Return whether the process was asked to stop."""

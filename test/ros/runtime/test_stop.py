@@ -17,7 +17,8 @@
 import os
 import signal
 
-from diffdrive_kinematics.ros.runtime.running import Interrupted, SIGNALS, Stop
+from diffdrive_kinematics.ros.runtime.running import Interrupted, Stop
+from diffdrive_kinematics.ros.runtime.signals import SIGNALS
 import pytest
 
 
