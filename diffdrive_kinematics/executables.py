@@ -39,7 +39,7 @@ def _start(name: str) -> None:
     module = import_module(f'diffdrive_kinematics.nodes.{name}')
     gc.freeze()
     gc.enable()
-    answer_arguments(name, module.__doc__, sys.argv)
+    answer_arguments(name, module.__doc__ or name, sys.argv)  # there is none with python -OO
     module.main()
 
 

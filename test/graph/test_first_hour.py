@@ -145,6 +145,13 @@ def test_a_process_that_is_asked_for_help_gives_it_and_ends_with_0(graph):
     assert example_of('calibrate') in process.output
 
 
+def test_a_process_without_docstrings_gives_its_help_as_well(graph):
+    process = graph.start('calibrate', args=['--help'], environment={'PYTHONOPTIMIZE': '2'})
+    assert process.wait() == 0, process.output
+    assert process.output.startswith('calibrate\n')
+    assert example_of('calibrate') in process.output
+
+
 @pytest.mark.parametrize('name, words', [
     ('diffdrive_sim', ('the demo without a params file', '-p record:=', '-p picture:=')),
     ('command_sequence', ('-p commands:=', '-p recording:=', '-p square_side:='))])
