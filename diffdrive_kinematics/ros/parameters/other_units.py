@@ -15,13 +15,13 @@
 """Values that are within their checks and cannot be meant, as they are in other units."""
 
 import math
-from typing import Any, Callable, Mapping, Set
-import weakref
+from typing import Any, Callable, Mapping
+
+from diffdrive_kinematics.ros.parameters.said import is_new
 
 LONGEST_RADIUS_M, WIDEST_M = 5.0, 20.0  # wheels of mining trucks have 2 m, gantries are 15 m wide
 LONGEST_TIMEOUT_S = 100.0  # for which nobody lets a robot drive on without a word
 SLOWEST_HZ = 0.1
-_said: 'weakref.WeakKeyDictionary[Any, Set[str]]' = weakref.WeakKeyDictionary()
 
 
 def _length(most: float) -> Callable[[str, float], str]:
@@ -73,11 +73,9 @@ def report_other_units(node: Any, values: Mapping[str, Any], before: Mapping[str
         Of its parameters, now and before; of what did not change nothing is said.
 
     """
-    said = _said.setdefault(node.context, set())
     for name in DOUBTS:
         if name not in values or values[name] == before.get(name):
             continue
         text = doubt_of(name, values[name])
-        if text and text not in said:
-            said.add(text)
+        if text and is_new(node, text):
             node.get_logger().warning(text)

@@ -13,10 +13,10 @@
 # limitations under the License.
 """Names that a node does not know: typos, those of its peers, and those of other packages."""
 
-from typing import Any, Collection, Dict, Mapping, Set, Tuple
-import weakref
+from typing import Any, Collection, Dict, Mapping, Tuple
 
 from diffdrive_kinematics.ros.parameters.qos import PREFIX as QOS_PREFIX
+from diffdrive_kinematics.ros.parameters.said import is_new
 from diffdrive_kinematics.ros.parameters.tables import KNOWN_NAMES
 
 BUILT_IN = ('use_sim_time', 'start_type_description_service')
@@ -45,8 +45,6 @@ RIGHT_NAMES: Dict[str, Tuple[str, str]] = {
     'speed_factor': (LOOPBACK, 'real_time_factor of diffdrive_sim, with clock_step'),
     'publish_clock': (LOOPBACK, 'clock_step of diffdrive_sim')}
 
-_said: 'weakref.WeakKeyDictionary[Any, Set[str]]' = weakref.WeakKeyDictionary()
-
 
 def aliased(given: Mapping[str, Any], known: Collection[str]) -> Dict[str, str]:
     """Return the older names that are set, by the name for which they are obeyed."""
@@ -68,9 +66,9 @@ def report_unknown(node: Any, given: Collection[str], known: Collection[str]) ->
         Names of the table of the node.
 
     """
-    logger, said = node.get_logger(), _said.setdefault(node.context, set())
+    logger = node.get_logger()
     for name in given:
-        if name in said or name in KNOWN_NAMES or name in BUILT_IN or name.startswith(QOS_PREFIX):
+        if name in KNOWN_NAMES or name in BUILT_IN or name.startswith(QOS_PREFIX):
             continue
         harmless = False
         if name in ALIASES:
@@ -91,8 +89,9 @@ def report_unknown(node: Any, given: Collection[str], known: Collection[str]) ->
             near = difflib.get_close_matches(name, sorted(KNOWN_NAMES), n=1)
             hint = f", did you mean '{near[0]}'?" if near else ''
             text = f'is ignored: no node of this package knows it{hint}'
-        said.add(name)
-        if harmless:
+        if not is_new(node, name):
+            continue
+        if harmless:  # for rclpy a line of code has one severity
             logger.info(f"parameter '{name}' {text}")
         else:
             logger.warning(f"parameter '{name}' {text}")

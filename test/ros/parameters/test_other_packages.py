@@ -18,7 +18,7 @@ import math
 from diffdrive_kinematics.nodes.diff_drive_controller import DiffDriveController
 from diffdrive_kinematics.nodes.simulated_base import SimulatedBase
 from diffdrive_kinematics.nodes.wheel_odometry import WheelOdometry
-from diffdrive_kinematics.ros.parameters import unknown_names
+from diffdrive_kinematics.ros.parameters import said
 from diffdrive_kinematics.ros.parameters.configuration_error import ConfigurationError
 from diffdrive_kinematics.ros.parameters.sections import misplaced, sections_of
 from diffdrive_kinematics.ros.parameters.tables import TABLES
@@ -39,7 +39,7 @@ def started(tmp_path, capfd, text, *nodes, key='/**'):
     """Return (configurations, lines of the log) of nodes with a params file."""
     file = tmp_path / 'params.yaml'
     file.write_text(f"'{key}':\n  ros__parameters:\n{text}")
-    unknown_names._said.clear()  # once a process: this is to be another one
+    said._said.clear()  # once a process: this is to be another one
     with initialised(args=['--ros-args', '--params-file', str(file)]):
         made = [kind() for kind in nodes]
         configs = [node.config for node in made]
