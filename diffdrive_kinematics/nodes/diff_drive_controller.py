@@ -90,7 +90,7 @@ class DiffDriveController(DiffDriveNode[Config]):
     def _on_command(self, message: bytes, info: MessageInfo = UNKNOWN) -> None:
         now_ns = self.synchronised_now()
         self.health.statistics.note(now_ns, now_ns)
-        if self._stop.holds():
+        if self._stop.engaged:
             self._stop.ignore()
             return
         alive = self._intake.alive(message, now_ns, info.sent_ns)

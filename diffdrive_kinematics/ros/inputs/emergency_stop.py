@@ -70,16 +70,11 @@ class EmergencyStop:
         node.runtime.serve(Trigger, '~/stop', self._on_stop_service)
         node.runtime.serve(Trigger, '~/resume', self._on_resume)
 
-    def holds(self) -> bool:
-        """Return whether no command may be obeyed: it is engaged, or may be, unheard yet."""
-        return self.engaged or self._awaited
-
     def ignore(self) -> None:
         """Count a command that is not obeyed."""
         self.ignored += 1
-        why = self._state() if self.engaged else f"'{self._topic}' may be latched"
         self._node.get_logger().warning(
-            f'{why}: a command is ignored ({self.ignored} so far)',
+            f'{self._state()}: a command is ignored ({self.ignored} so far)',
             throttle_duration_sec=REPORT_PERIOD_S)
 
     def values(self) -> Dict[str, Any]:
