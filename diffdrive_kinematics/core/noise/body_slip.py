@@ -168,8 +168,27 @@ def body_noise(body: BodySlip, distance: Scalar, turn: Scalar) -> BodyNoise:
     """
     along, heading = body_variances(body, distance, turn)  # type: ignore[type-var]
     lateral = (heading * distance * distance + along * turn * turn) / 12.0
-    return BodyNoise(_root(along), 0.5 * _root(heading), _root(lateral), body.distribution)
+    return BodyNoise(root(along), 0.5 * root(heading), root(lateral), body.distribution)
 
 
-def _root(variance: Scalar) -> Scalar:
+def root(variance: Scalar) -> Scalar:
+    """
+    Return the standard deviation of a variance.
+
+    Parameters
+    ----------
+    variance : float or numpy.ndarray
+        The variance, 0 or above.
+
+    Returns
+    -------
+    float or numpy.ndarray
+        Its root.
+
+    Examples
+    --------
+    >>> root(0.25)
+    0.5
+
+    """
     return np.sqrt(variance) if isinstance(variance, np.ndarray) else math.sqrt(variance)

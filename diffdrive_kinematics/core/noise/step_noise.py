@@ -14,13 +14,12 @@
 
 """Mean of one step of wheel travel, and the standard deviations of its errors."""
 
-import math
 from typing import NamedTuple, Optional, Tuple
 
 from diffdrive_kinematics.core.kinematics import Command, Scalar, WheelGeometry
-from diffdrive_kinematics.core.noise.body_slip import body_noise, BodyNoise, BodySlip, NO_BODY_SLIP
+from diffdrive_kinematics.core.noise.body_slip import (
+    body_noise, BodyNoise, BodySlip, NO_BODY_SLIP, root)
 from diffdrive_kinematics.core.noise.noise import travel_variance, WheelSlip
-import numpy as np
 
 
 class StepNoise(NamedTuple):
@@ -131,9 +130,9 @@ def step_noise(
     half_turn, distance = (right - left) / double, 0.5 * (left + right)
     return StepNoise(
         half_turn, distance,
-        _root(travel_variance(left_slip, d_left)) / double,
-        _root(travel_variance(right_slip, d_right)) / double,
-        _root(lateral[0]), _root(lateral[1]),
+        root(travel_variance(left_slip, d_left)) / double,
+        root(travel_variance(right_slip, d_right)) / double,
+        root(lateral[0]), root(lateral[1]),
         body_noise(body, distance, 2.0 * half_turn) if body else None)
 
 
@@ -167,7 +166,3 @@ def travel_of_command(command: Command, geometry: WheelGeometry) -> Tuple[float,
 
 def _gathered(slip: WheelSlip, travel: Scalar) -> Scalar:
     return travel_variance(slip, travel) if slip.model == 'travel' else 0.0 * travel
-
-
-def _root(variance: Scalar) -> Scalar:
-    return np.sqrt(variance) if isinstance(variance, np.ndarray) else math.sqrt(variance)
