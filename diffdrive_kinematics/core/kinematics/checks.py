@@ -84,10 +84,7 @@ def check_finite(name: str, value: float) -> float:
     ValueError: x is inf, expected a finite number
 
     """
-    number = float(value)
-    if -math.inf < number < math.inf:
-        return number
-    raise _error(name, value, 'a finite number')
+    return _checked(name, value, -math.inf < float(value) < math.inf, 'a finite number')
 
 
 def check_positive(name: str, value: float) -> float:
@@ -120,10 +117,7 @@ def check_positive(name: str, value: float) -> float:
     ValueError: wheel_radius is 0.0, expected a finite number above 0
 
     """
-    number = float(value)
-    if 0.0 < number < math.inf:
-        return number
-    raise _error(name, value, 'a finite number above 0')
+    return _checked(name, value, 0.0 < float(value) < math.inf, 'a finite number above 0')
 
 
 def check_non_negative(name: str, value: float) -> float:
@@ -156,10 +150,7 @@ def check_non_negative(name: str, value: float) -> float:
     ValueError: slip variance is -1e-06, expected a finite number, 0 or above
 
     """
-    number = float(value)
-    if 0.0 <= number < math.inf:
-        return number
-    raise _error(name, value, 'a finite number, 0 or above')
+    return _checked(name, value, 0.0 <= float(value) < math.inf, 'a finite number, 0 or above')
 
 
 def check_above(name: str, value: float, bound: float) -> float:
@@ -194,10 +185,8 @@ def check_above(name: str, value: float, bound: float) -> float:
     ValueError: bias is -1.0, expected a finite number above -1.0
 
     """
-    number = float(value)
-    if bound < number < math.inf:
-        return number
-    raise _error(name, value, f'a finite number above {bound!r}')
+    return _checked(
+        name, value, bound < float(value) < math.inf, f'a finite number above {bound!r}')
 
 
 def check_count(name: str, value: int, least: int = 1) -> int:
@@ -233,10 +222,12 @@ def check_count(name: str, value: int, least: int = 1) -> int:
 
     """
     whole = isinstance(value, (int, np.integer)) and not isinstance(value, bool)
-    if whole and value >= least:
-        return int(value)
-    raise _error(name, value, f'an integer, {least!r} or above')
+    if not whole or value < least:
+        raise ValueError(f'{name} is {value!r}, expected an integer, {least!r} or above')
+    return int(value)
 
 
-def _error(name: str, value: float, expected: str) -> ValueError:
-    return ValueError(f'{name} is {value!r}, expected {expected}')
+def _checked(name: str, value: float, holds: bool, expected: str) -> float:
+    if not holds:
+        raise ValueError(f'{name} is {value!r}, expected {expected}')
+    return float(value)
