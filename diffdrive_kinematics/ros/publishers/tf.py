@@ -48,39 +48,33 @@ def _message_type() -> Optional[type]:
 
 
 class TransformPublisher:
-    """
-    Publishes transforms on ``/tf``.
+    """Publishes transforms on ``/tf``."""
 
-    Where tf2_msgs is missing, and its type cannot be made, one line says how to get it or do
-    without (set ``switch``, the parameter that asked for tf, to false), and nothing is published.
-    It is a warning where somebody set the switch, and for information where it is on by default.
-    """
-
-    def __init__(self, node: DiffDriveNode, switch: str) -> None:
-        self._publisher = None
-        message_type = _message_type()
-        if message_type is None:
-            log = node.get_logger()
-            say = log.warning if switch in given_overrides(node) else log.info
-            say('tf is off: the package tf2_msgs is missing (apt install ros-jazzy-tf2-msgs); '
-                f'set {switch} to false to run without it')
-            return
+    def __init__(self, node: DiffDriveNode, message_type: type) -> None:
         self._message = TransformCodec('', '')
         self._publisher = node.runtime.publish(message_type, '/tf')
 
-    def __bool__(self) -> bool:
-        """Return whether there is a message type for tf."""
-        return self._publisher is not None
-
     def publish(self, stamp_ns: int, frames: Tuple[str, str], pose: Pose) -> None:
         """Publish the pose of a frame in another one; frames are (parent, child)."""
-        if self._publisher is None:
-            return
         if frames != self._message.frames:
             self._message = TransformCodec(*frames)
         self._publisher.publish(self._message.encode(stamp_ns, pose))
 
 
 def transforms(node: DiffDriveNode, switch: str) -> Optional[TransformPublisher]:
-    """Return what publishes transforms, where a parameter asks for it."""
-    return TransformPublisher(node, switch) if node.config.values[switch] else None
+    """
+    Return what publishes transforms, where a parameter asks for it.
+
+    Where tf2_msgs is missing, and its type cannot be made, one line says how to get it or do
+    without (set the parameter to false).  It is a warning where somebody set it, and for
+    information where it is on by default.
+    """
+    if not node.config.values[switch]:
+        return None
+    if message_type := _message_type():
+        return TransformPublisher(node, message_type)
+    log = node.get_logger()
+    say = log.warning if switch in given_overrides(node) else log.info
+    say('tf is off: the package tf2_msgs is missing (apt install ros-jazzy-tf2-msgs); '
+        f'set {switch} to false to run without it')
+    return None
