@@ -28,7 +28,6 @@ from rclpy.publisher import Publisher
 
 TOPIC = '/diagnostics'
 OK, WARN, ERROR = DiagnosticStatus.OK, DiagnosticStatus.WARN, DiagnosticStatus.ERROR
-SEVERITY = (OK, WARN, ERROR)  # STALE is the aggregator's word for who does not report
 ALARMS = {'refused': ERROR, 'timeouts': WARN, 'out of order': WARN, 'clock steps in stamps': WARN,
           'clock steps': WARN, 'position jumps': WARN, 'old commands': WARN}
 SLOW = 0.8  # of the rate that is set
@@ -189,7 +188,7 @@ class Reporter:
         problems = [*self._grown(status.values), *status.problems]
         if not self._publisher.get_subscription_count():
             return
-        problems.sort(key=lambda problem: -SEVERITY.index(problem.level))
+        problems.sort(key=lambda problem: problem.level, reverse=True)
         self._status.level = problems[0].level if problems else OK
         self._status.message = '; '.join(problem.message for problem in problems) or 'ok'
         self._status.values = [
