@@ -22,7 +22,6 @@ from typing import Any, List, Mapping, NamedTuple, Optional
 
 from diffdrive_kinematics.core.kinematics import WheelGeometry
 from diffdrive_kinematics.ros.inputs.wheel_watch import WheelWatch
-from diffdrive_kinematics.ros.messages.wheel_joints import wheel_joints
 from diffdrive_kinematics.ros.messages.wheel_messages import WheelReader
 from diffdrive_kinematics.ros.parameters.configuration_error import ConfigurationError
 from diffdrive_kinematics.ros.parameters.from_values import check_sides, wheel_geometry
@@ -93,9 +92,7 @@ class Calibrate(DiffDriveNode[Config]):
     def listen(self) -> None:
         """Begin to collect."""
         values = self.config.values
-        self._reader = WheelReader(
-            wheel_joints(values), positions=values['position_feedback'],
-            encoder_range=values['encoder_range'])
+        self._reader = WheelReader.of(values)
         WheelWatch(self, self._reader, values['motion_topic'])
         self.runtime.listen(
             JointState, values['motion_topic'], self._on_wheels, raw=True, informed=True)

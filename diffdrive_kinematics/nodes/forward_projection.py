@@ -24,7 +24,6 @@ from diffdrive_kinematics.ros.inputs.other_clock import StampWatch
 from diffdrive_kinematics.ros.inputs.wheel_watch import WheelWatch
 from diffdrive_kinematics.ros.messages.messages import nanoseconds, pose_in_plane
 from diffdrive_kinematics.ros.messages.serialised import encode_polygon, encode_poses
-from diffdrive_kinematics.ros.messages.wheel_joints import wheel_joints
 from diffdrive_kinematics.ros.messages.wheel_messages import WheelReader
 from diffdrive_kinematics.ros.parameters.from_values import (
     body_slip, check_sides, check_wiring, wheel_geometry, wheel_slips)
@@ -84,8 +83,7 @@ class ForwardProjection(DiffDriveNode[Config]):
     def __init__(self, name: str = 'forward_projection', **composition: Any) -> None:
         super().__init__(name, FORWARD_PROJECTION, build, **composition)
         values = self.config.values
-        self.wheel_reader = WheelReader(
-            wheel_joints(values), encoder_range=values['encoder_range'])
+        self.wheel_reader = WheelReader.of(values)
         self._wheel_watch = WheelWatch(self, self.wheel_reader, values['wheel_motion_topic'])
         self._wheels = core.Odometry.starting_at(  # for its account of the rates alone
             Pose(0.0, 0.0, 0.0), geometry=self.config.geometry, timeout_ns=self.config.timeout_ns)
@@ -94,10 +92,9 @@ class ForwardProjection(DiffDriveNode[Config]):
             name: StampWatch(self, values[name]) for name in ('odom_topic', 'wheel_motion_topic')}
         self._worker: Union[InPlace, Worker] = (
             InPlace(self._publish) if self.runtime.is_stepped else Worker(self._come_back))
-        topic = values['poses_topic']
-        self._poses_publisher = self.runtime.publish(PoseArray, topic) if topic else None
-        topic = values['boundary_topic']
-        self._boundary_publisher = self.runtime.publish(PolygonStamped, topic) if topic else None
+        publish = self.runtime.publish_unless_off
+        self._poses_publisher = publish(PoseArray, values['poses_topic'])
+        self._boundary_publisher = publish(PolygonStamped, values['boundary_topic'])
         self.runtime.listen(Odometry, values['odom_topic'], self._on_odometry)
         self.runtime.listen(
             JointState, values['wheel_motion_topic'], self._on_wheels, raw=True, informed=True)

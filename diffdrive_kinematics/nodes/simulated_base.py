@@ -76,21 +76,18 @@ class SimulatedBase(DiffDriveNode[Config]):
     def __init__(self, name: str = 'simulated_base', **composition: Any) -> None:
         super().__init__(name, self.TABLE, build, **composition)
         values, runtime = self.config.values, self.runtime
-        joints = wheel_joints(values)
         encoder = core.Encoder(values['encoder_range'], values['encoder_resolution'])
         odometry = initial_odometry(
             values, self.config.geometry, self.config.timeout_ns, self.config.slip_variances)
-        self.wheel_reader = WheelReader(
-            joints, positions=values['position_feedback'], encoder_range=encoder.period)
+        self.wheel_reader = WheelReader.of(values)
         motion_topic = values['wheel_motion_topic']
         self._driver = DriverWatch(self, motion_topic)
         self._wheel_watch = WheelWatch(self, self.wheel_reader, motion_topic)
         self._wheel_motion = runtime.poll(JointState, motion_topic, self._on_wheels)
         self._wheel_motion.set_poll_rate(values['publish_rate'])
         self._out = OdometryPublisher(self, values)
-        self._wheels = WheelWriter(joints, self.source(), encoder)
-        topic = values['joint_states_topic']
-        self._joints = runtime.publish(JointState, topic) if topic else None
+        self._wheels = WheelWriter(wheel_joints(values), self.source(), encoder)
+        self._joints = runtime.publish_unless_off(JointState, values['joint_states_topic'])
         self._transform = transforms(self, 'enable_odom_tf')
         transform = transforms(self, 'publish_map_odom_tf')
         self._correction = BeliefCorrection(

@@ -90,10 +90,9 @@ class WheelNoise(DiffDriveNode[Config]):
     def __init__(self, name: str = 'wheel_noise', **composition: Any) -> None:
         super().__init__(name, WHEEL_NOISE, build, **composition)
         values = self.config.values
-        joints = wheel_joints(values)
-        self.wheel_reader = WheelReader(joints, encoder_range=values['encoder_range'])
+        self.wheel_reader = WheelReader.of(values)
         self._wheel_watch = WheelWatch(self, self.wheel_reader, values['input_topic'])
-        self._wheels = WheelWriter(joints, self.source())
+        self._wheels = WheelWriter(wheel_joints(values), self.source())
         self._stream, self._response = self.config.stream, self.config.response
         self._seed = values['seed']
         self._generator = np.random.default_rng(self._seed)

@@ -176,9 +176,7 @@ def read_topics(bag: Bag, handles: Mapping[str, Handle], progress: Progress = no
 
 
 def _joints_handle(collection: Collection, values: Mapping[str, Any], times: Times) -> Handle:
-    reader = WheelReader(
-        wheel_joints(values), positions=values['position_feedback'],
-        encoder_range=values['encoder_range'])
+    reader = WheelReader.of(values)
 
     def handle(message: BagMessage) -> None:
         sample = reader.read(message.data, lambda: message.received_ns)

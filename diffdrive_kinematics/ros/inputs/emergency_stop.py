@@ -60,8 +60,8 @@ class EmergencyStop:
         self.engaged = False
         self.ignored = 0
         self._looks = 0
-        self._awaited = bool(topic) and not node.runtime.is_stepped
-        if self._awaited:
+        self._timer: Any = None  # while what the topic says is awaited
+        if topic and not node.runtime.is_stepped:
             self._timer = node.runtime.every(LOOK_RATE, self._look, steadily=True)
         else:
             on_known()
@@ -103,9 +103,9 @@ class EmergencyStop:
             self._know()
 
     def _know(self) -> None:
-        if self._awaited:
-            self._awaited = False
+        if self._timer:
             self._node.runtime.stop_timer(self._timer)
+            self._timer = None
             self._on_known()
 
     def _on_topic(self, message: Bool) -> None:

@@ -14,7 +14,7 @@
 
 """Wheel motion as JointState: what joints say is read in any form, and written."""
 
-from typing import Any, Callable, NamedTuple, Optional, Sequence, Tuple
+from typing import Any, Callable, Mapping, NamedTuple, Optional, Sequence, Tuple
 
 from diffdrive_kinematics.core.kinematics import NANOSECONDS
 from diffdrive_kinematics.core.odometry import (
@@ -22,7 +22,7 @@ from diffdrive_kinematics.core.odometry import (
 from diffdrive_kinematics.ros.messages.messages import check_stamp
 from diffdrive_kinematics.ros.messages.serialised_joints import JointStateCodec, JointValues
 from diffdrive_kinematics.ros.messages.wheel_gathering import Gathered, Gathering
-from diffdrive_kinematics.ros.messages.wheel_joints import WheelJoints
+from diffdrive_kinematics.ros.messages.wheel_joints import wheel_joints, WheelJoints
 from std_msgs.msg import Float64MultiArray
 
 NOBODY = -1
@@ -67,6 +67,12 @@ class WheelReader:
         self._next, self._tag = NOBODY, ''  # whose message, if one comes, is the usual one
         self._last: Tuple[Sequence[float], Sequence[float], int] = (), (), 0
         self._step = NO_STEP
+
+    @classmethod
+    def of(cls, values: Mapping[str, Any]) -> 'WheelReader':
+        """Return the reader of a node, by the values of its parameters."""
+        return cls(wheel_joints(values), positions=values.get('position_feedback', True),
+                   encoder_range=values['encoder_range'])
 
     def read(
             self, message: bytes, now_ns: Callable[[], int], number: int = 0

@@ -45,8 +45,7 @@ class OdometryPublisher:
         prefix = frame_prefix(values, node.get_namespace())
         self.frames = prefix + values['odom_frame_id'], prefix + values['base_frame_id']
         self.codec = OdometryCodec(*self.frames)
-        topic = values['odom_topic']
-        self.publisher = node.runtime.publish(Odometry, topic) if topic else None
+        self.publisher = node.runtime.publish_unless_off(Odometry, values['odom_topic'])
         self._twist_of: Optional[WheelPair] = None  # whose covariance the message has
         self.configure(values)
 

@@ -41,14 +41,14 @@ class WheelCommandPublisher:
     """
 
     def __init__(self, node: DiffDriveNode[Any], values: Mapping[str, Any]) -> None:
-        joints, publish = wheel_joints(values), node.runtime.publish
+        joints, runtime = wheel_joints(values), node.runtime
         self._node, self._joints = node, joints
         self._rates = WheelWriter(joints, node.source())
         self._twist = TwistCodec(values['base_frame_id'])
-        self.rates_publisher = publish(JointState, values['wheel_rates_topic'])
-        topic = values['wheel_commands_topic']
-        self._set_point_publisher = publish(Float64MultiArray, topic) if topic else None
-        self._twist_publisher = publish(
+        self.rates_publisher = runtime.publish(JointState, values['wheel_rates_topic'])
+        self._set_point_publisher = runtime.publish_unless_off(
+            Float64MultiArray, values['wheel_commands_topic'])
+        self._twist_publisher = runtime.publish(
             TwistStamped, values['cmd_vel_out_topic']
         ) if values['publish_limited_velocity'] else None
         self.last_ns = -1  # stamp of the last one; none yet

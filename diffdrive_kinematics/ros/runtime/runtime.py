@@ -108,6 +108,10 @@ class Runtime:
         """Return a publisher, reliable where no profile says otherwise."""
         return self._endpoints.publisher(message_type, topic, profile)
 
+    def publish_unless_off(self, message_type: type, topic: str) -> Optional[Publisher]:
+        """Return a publisher; None where the topic is empty, which is off."""
+        return self.publish(message_type, topic) if topic else None
+
     def listen(
             self, message_type: type, topic: str, callback: Callable[..., None], *,
             raw: bool = False, informed: bool = False, best_effort: bool = False,
