@@ -30,8 +30,6 @@ from diffdrive_kinematics.tools.calibration_remarks import (
     THIS_SESSION_ONLY)
 from diffdrive_kinematics.tools.recordings import nobody, Progress
 
-CLOCKS = {'none': Clock.NONE, 'delay': Clock.DELAY, 'offsets': Clock.OFFSETS,
-          'drifts': Clock.DRIFTS, 'auto': Clock.AUTO}
 MULTIPLIERS = (
     'left_wheel_radius_multiplier', 'right_wheel_radius_multiplier', 'wheel_separation_multiplier')
 
@@ -117,11 +115,11 @@ def of_drives(
     keep = values['mean_radius'] == 'keep' or commands and not values['mean_radius']
     windows = COMMANDED if commands else Windows()
     fit = fit_trajectory(
-        geometry, drives, clock=CLOCKS[clock], mean_radius=not keep, windows=windows,
+        geometry, drives, clock=Clock[clock.upper()], mean_radius=not keep, windows=windows,
         watch=lambda _: progress(f'fitting, iteration {next(rounds)}'))
     progress('fitting each drive')
     sessions = fit_sessions(
-        geometry, [[drive] for drive in drives], fit, clock=CLOCKS[clock],
+        geometry, [[drive] for drive in drives], fit, clock=Clock[clock.upper()],
         mean_radius=not keep, windows=windows)
     progress('fitting the slip')
     after = fit.corrected(geometry)
