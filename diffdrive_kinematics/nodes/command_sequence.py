@@ -21,7 +21,7 @@ from typing import Any, Dict, List, Mapping, Optional, Sequence, Set, Tuple
 from diffdrive_kinematics.core.commands import (
     Course, course_from_commands, course_from_recording, square_course, square_rounds, SquareRun)
 from diffdrive_kinematics.core.kinematics import Command
-from diffdrive_kinematics.ros.messages.twists import TwistCodec
+from diffdrive_kinematics.ros.messages.codec import TwistCodec
 from diffdrive_kinematics.ros.parameters.from_values import commands_from
 from diffdrive_kinematics.ros.parameters.package_share import resolved
 from diffdrive_kinematics.ros.parameters.tables import COMMAND_SEQUENCE

@@ -22,8 +22,8 @@ from diffdrive_kinematics.core.noise import BodySlip, Projected, projected, unit
 import diffdrive_kinematics.core.odometry as core
 from diffdrive_kinematics.ros.inputs.other_clock import StampWatch
 from diffdrive_kinematics.ros.inputs.wheel_watch import WheelWatch
+from diffdrive_kinematics.ros.messages.codec import encode_polygon, encode_poses
 from diffdrive_kinematics.ros.messages.messages import nanoseconds, pose_in_plane
-from diffdrive_kinematics.ros.messages.serialised import encode_polygon, encode_poses
 from diffdrive_kinematics.ros.messages.wheel_messages import WheelReader
 from diffdrive_kinematics.ros.parameters.from_values import (
     body_slip, check_sides, check_wiring, wheel_geometry, wheel_slips)

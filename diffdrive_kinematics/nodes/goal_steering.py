@@ -22,8 +22,8 @@ from diffdrive_kinematics.core.commands import (
     SteeringLimits, Waypoints, waypoints_from_poses)
 from diffdrive_kinematics.core.kinematics import Pose
 from diffdrive_kinematics.core.odometry import ClockStep
+from diffdrive_kinematics.ros.messages.codec import TwistCodec
 from diffdrive_kinematics.ros.messages.messages import nanoseconds, pose_in_plane
-from diffdrive_kinematics.ros.messages.twists import TwistCodec
 from diffdrive_kinematics.ros.parameters.from_values import goals_from
 from diffdrive_kinematics.ros.parameters.tables import GOAL_STEERING
 from diffdrive_kinematics.ros.runtime.diagnostics import RateSample, Status

@@ -20,7 +20,7 @@ import time
 from typing import Any, Mapping, Sequence, Tuple
 
 from diffdrive_kinematics.core.commands import Helm
-from diffdrive_kinematics.ros.messages.twists import TwistCodec
+from diffdrive_kinematics.ros.messages.codec import TwistCodec
 from diffdrive_kinematics.ros.parameters.configuration_error import refusing
 from diffdrive_kinematics.ros.parameters.tables import TELEOP
 from diffdrive_kinematics.ros.runtime.node import DiffDriveNode

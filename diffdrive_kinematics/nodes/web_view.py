@@ -22,8 +22,8 @@ from diagnostic_msgs.msg import DiagnosticArray
 from diffdrive_kinematics.core.commands import Helm
 from diffdrive_kinematics.core.kinematics import Pose
 from diffdrive_kinematics.ros.inputs.other_nodes import RemoteParameters, RemoteTriggers
-from diffdrive_kinematics.ros.messages.messages import header_of, pose_message
-from diffdrive_kinematics.ros.messages.twists import TwistCodec
+from diffdrive_kinematics.ros.messages.codec import TwistCodec
+from diffdrive_kinematics.ros.messages.plain import header_of, pose_message
 from diffdrive_kinematics.ros.parameters.configuration_error import refusing
 from diffdrive_kinematics.ros.parameters.tables import WEB_VIEW
 from diffdrive_kinematics.ros.runtime.diagnostics import RateSample, Status

@@ -22,7 +22,7 @@ from diffdrive_kinematics.core.commands import STILL, Twist
 from diffdrive_kinematics.core.kinematics import NANOSECONDS
 from diffdrive_kinematics.core.odometry import SenderClocks
 from diffdrive_kinematics.ros.inputs.other_clock import StampWatch
-from diffdrive_kinematics.ros.messages.twists import TwistCodec
+from diffdrive_kinematics.ros.messages.codec import CommandReader
 from diffdrive_kinematics.ros.runtime.diagnostics import Problem
 from diffdrive_kinematics.ros.runtime.rclpy_private import taker_of
 from geometry_msgs import msg
@@ -64,7 +64,7 @@ class CommandIntake:
 
     def __init__(self, node: Any, stamped: bool, topic: str, values: Mapping[str, Any]) -> None:
         self._node, self._topic = node, topic
-        self._reader = TwistCodec('' if stamped else None)
+        self._reader = CommandReader('' if stamped else None)
         self._obeyed_ns = BEFORE_ALL_NS
         self._clocks, self._on_own_clock = SenderClocks(0), True
         self._stamps = StampWatch(node, topic, AHEAD)

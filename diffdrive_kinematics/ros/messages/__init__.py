@@ -15,9 +15,8 @@
 """
 Messages of ROS from and to values of the core: as objects, as bytes, as URDF.
 
-Commands are objects, of which some tens a second are sent (``twists``); what base, noise and
-controller say at every tick, and messages of many poses, are bytes (``serialised``,
-``serialised_joints``), by ``cdr``.  ``messages`` has stamps and poses.  Then how wheel motion is
-read: ``wheel_joints`` (names and signs), ``wheel_messages`` (one JointState),
-``wheel_gathering`` (several publishers, messages and wheels).
+``plain`` is the codec to read, with a class or function for each message; ``serialised`` (and
+``serialised_joints``) says the same in bytes, by ``cdr``; ``codec`` decides which one the nodes
+use.  Then how wheel motion is read: ``wheel_joints`` (names and signs), ``wheel_messages`` (one
+JointState), ``wheel_gathering`` (several publishers, messages and wheels).
 """

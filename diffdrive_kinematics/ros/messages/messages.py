@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Stamps and poses of messages, judged and as the core has them, and made."""
+"""Stamps and poses of messages, judged and as the core has them; both codecs use them."""
 
 import math
 from typing import Tuple
@@ -21,7 +21,6 @@ from builtin_interfaces.msg import Time
 from diffdrive_kinematics.core.kinematics import NANOSECONDS, Pose
 from diffdrive_kinematics.core.noise import planar_covariance, planar_pose, PoseCovariance
 from geometry_msgs.msg import Pose as PoseMessage, PoseWithCovarianceStamped
-from std_msgs.msg import Header
 
 LAST_SECOND = 2**31 - 1
 
@@ -76,18 +75,3 @@ def given_pose(message: PoseWithCovarianceStamped, frame_id: str) -> Tuple[Pose,
 def quaternion_of(theta: float) -> Tuple[float, float]:
     """Return (z, w) of the quaternion of a heading [rad]; its x and y are 0."""
     return math.sin(0.5 * theta), math.cos(0.5 * theta)
-
-
-def header_of(frame_id: str, stamp_ns: int) -> Header:
-    """Return a header."""
-    header = Header(frame_id=frame_id)
-    set_stamp(header.stamp, stamp_ns)
-    return header
-
-
-def pose_message(pose: Pose) -> PoseMessage:
-    """Return a pose in the plane as a message."""
-    message = PoseMessage()
-    message.position.x, message.position.y = pose.x, pose.y
-    message.orientation.z, message.orientation.w = quaternion_of(pose.theta)
-    return message

@@ -13,10 +13,10 @@
 # limitations under the License.
 
 """
-Messages as bytes: without message objects they take a tenth of the time.
+The codec of bytes: what the plain codec says, without message objects, in a tenth of the time.
 
 Numbers are written into bytes that are made once for each shape of message, and read by a struct
-made once for each shape that has come.  What comes in another form is read by an object.
+made once for each shape that has come.  What comes in another form is read by the plain codec.
 Of many poses (paths, samples of the pose, boundaries) an array is the message already, but for
 what stands in front of it; a message object of 1000 poses costs milliseconds.
 """
@@ -27,15 +27,24 @@ from typing import Optional, Sequence
 
 from diffdrive_kinematics.core.kinematics import Array, NANOSECONDS, Pose
 from diffdrive_kinematics.core.noise import PoseCovariance, TwistCovariance
+from diffdrive_kinematics.ros.messages import plain
 from diffdrive_kinematics.ros.messages.cdr import (
     HEADER, Layout, STAMP_AT, stamped_sequence, Template, write_stamp)
 from diffdrive_kinematics.ros.messages.messages import quaternion_of
+from diffdrive_kinematics.ros.messages.plain import StampedTwist
+from diffdrive_kinematics.ros.messages.serialised_joints import JointStateCodec
 import numpy as np
 from numpy.typing import NDArray
 from std_msgs.msg import Header
 
-ODOMETRY_DOUBLES = 85
+__all__ = [
+    'JointStateCodec', 'OdometryCodec', 'PathCodec', 'TransformCodec', 'TwistCodec',
+    'encode_polygon', 'encode_poses']
+
+TWIST_DOUBLES, ODOMETRY_DOUBLES = 6, 85
 POSE_COVARIANCE_AT, TWIST_AT, TWIST_COVARIANCE_AT = 7, 43, 49
+_read_twist = struct.Struct('=d32xd').unpack_from  # linear.x and angular.z
+_read_stamp_and_length = struct.Struct('=iII').unpack_from
 _write_pose = struct.Struct('=2d24x2d').pack_into  # x, y, and z and w of the quaternion
 _write_twist = struct.Struct('=d32xd').pack_into  # of x and yaw
 _write_rows = struct.Struct('=2d24x3d24xd').pack_into  # of x and y in a covariance
@@ -43,15 +52,33 @@ _write_row = struct.Struct('=2d24xd').pack_into  # of yaw
 ROW_OF_YAW = 5 * 6 * 8
 
 
-class OdometryCodec:
-    """
-    An Odometry with its frames and covariances, which are written into its bytes.
+class TwistCodec(plain.TwistCodec):
+    """A TwistStamped in a frame, or, without one, a Twist, which is read without an object."""
 
-    The pose is in ``frame_id``, the twist in ``child_frame_id`` (nav_msgs/Odometry), and so are
-    their covariances, in the order (x, y, z, roll, pitch, yaw).
-    """
+    def decode(self, message: bytes) -> StampedTwist:
+        """Return what the message commands, whatever its frame."""
+        return _twist_in(message, self._frame_id is not None) or super().decode(message)
+
+
+def _twist_in(data: bytes, stamped: bool) -> Optional[StampedTwist]:
+    """Return what a Twist or TwistStamped commands; None: it is in another form."""
+    if data[:STAMP_AT] != HEADER or len(data) < STAMP_AT + 12:
+        return None
+    stamp_ns, first = 0, STAMP_AT
+    if stamped:
+        sec, nanosec, length = _read_stamp_and_length(data, STAMP_AT)
+        after = STAMP_AT + 12 + length
+        stamp_ns, first = sec * NANOSECONDS + nanosec, after + (STAMP_AT - after) % 8
+    if len(data) < first + 8 * TWIST_DOUBLES:
+        return None
+    return StampedTwist(stamp_ns, *_read_twist(data, first))
+
+
+class OdometryCodec(plain.OdometryCodec):
+    """An Odometry with its frames and covariances, which are written into its bytes."""
 
     def __init__(self, frame_id: str, child_frame_id: str) -> None:
+        super().__init__(frame_id, child_frame_id)
         layout = Layout()
         layout.header(frame_id)
         layout.text(child_frame_id)
@@ -64,9 +91,7 @@ class OdometryCodec:
 
     def set_diagonals(self, pose: Sequence[float], twist: Sequence[float]) -> None:
         """Set the variances of pose and twist, six each, and all covariances to zero."""
-        for matrix, diagonal in ((self._pose, pose), (self._twist, twist)):
-            for index in range(36):
-                matrix[index] = 0.0 if index % 7 else diagonal[index // 7]
+        super().set_diagonals(pose, twist)
         self._last = None
 
     def set_pose_covariance(self, covariance: PoseCovariance, floor: float) -> None:
@@ -84,7 +109,7 @@ class OdometryCodec:
         _write_twist(self._data, at, vv, vw)
         _write_twist(self._data, at + ROW_OF_YAW, vw, ww)
 
-    def encode(
+    def encoded(
             self, stamp_ns: int, x: float, y: float, theta: float, v: float, w: float) -> bytes:
         """Return the message with a stamp, a pose and a twist."""
         data, at, half = self._data, self._at, 0.5 * theta
@@ -94,11 +119,11 @@ class OdometryCodec:
         return bytes(data)
 
 
-class TransformCodec:
+class TransformCodec(plain.TransformCodec):
     """A TFMessage of one transform; does without tf2_msgs."""
 
     def __init__(self, frame_id: str, child_frame_id: str) -> None:
-        self.frames = frame_id, child_frame_id
+        super().__init__(frame_id, child_frame_id)
         layout = Layout()
         layout.numbers('I', [1])
         self._stamp_at = layout.header(frame_id)

@@ -12,14 +12,16 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""JointState as bytes; see :mod:`.serialised`."""
+"""The codec of bytes for JointState; see :mod:`.serialised`."""
 
 from operator import itemgetter
 import struct
-from typing import Callable, Dict, NamedTuple, Optional, Sequence, Tuple
+from typing import Any, Callable, Dict, Optional, Sequence, Tuple
 
 from diffdrive_kinematics.core.kinematics import NANOSECONDS
+from diffdrive_kinematics.ros.messages import plain
 from diffdrive_kinematics.ros.messages.cdr import Layout, STAMP_AT, Template, write_stamp
+from diffdrive_kinematics.ros.messages.plain import JointValues
 from rclpy.serialization import deserialize_message
 from sensor_msgs.msg import JointState
 
@@ -29,18 +31,7 @@ AFTER_STAMP = 3  # values: those of the header of four bytes, of sec and of nano
 _write_pair = struct.Struct('=2d').pack_into
 
 
-class JointValues(NamedTuple):
-    """What a JointState says of joints, in the units of the joints; empty: nothing."""
-
-    frame_id: str
-    names: Tuple[str, ...]
-    sec: int
-    nanosec: int
-    position: Sequence[float]
-    velocity: Sequence[float]
-
-
-class JointStateCodec:
+class JointStateCodec(plain.JointStateCodec):
     """A JointState without efforts."""
 
     def __init__(self) -> None:
@@ -53,7 +44,7 @@ class JointStateCodec:
         shape = frame_id, names, len(position), len(velocity)
         template = self._written.get(shape)
         if template is None:
-            template = self._written[shape] = _JointStateTemplate(*shape)
+            template = _keep(self._written, shape, _JointStateTemplate(*shape))
         template.stamp(sec * NANOSECONDS + nanosec)
         for numbers, given in ((template.position, position), (template.velocity, velocity)):
             for index, value in enumerate(given):
@@ -81,16 +72,20 @@ class JointStateCodec:
         if found:
             return found
         known = deserialize_message(message, JointState)
-        if len(self._read) >= MOST_SHAPES:
-            self._read.clear()
-        self._read[len(message)] = JointStateShape(known)  # the next one will be like it
-        stamp = known.header.stamp
-        return JointValues(known.header.frame_id, tuple(known.name), stamp.sec, stamp.nanosec,
-                           known.position, known.velocity)
+        _keep(self._read, len(message), JointStateShape(known))  # the next one will be like it
+        return super().decode(known)
 
     def shape_of(self, message: bytes) -> 'Optional[JointStateShape]':
         """Return what reads messages like the last one of that length; None: none was read."""
         return self._read.get(len(message))
+
+
+def _keep(shapes: Dict[Any, Any], key: Any, shape: Any) -> Any:
+    """Remember a shape and return it; of many the old ones are forgotten."""
+    if len(shapes) >= MOST_SHAPES:
+        shapes.clear()
+    shapes[key] = shape
+    return shape
 
 
 def _joint_names(frame_id: str, names: Sequence[str]) -> Layout:

@@ -14,15 +14,17 @@
 
 """Wheel motion as JointState: what joints say is read in any form, and written."""
 
-from typing import Any, Callable, Mapping, NamedTuple, Optional, Sequence, Tuple
+from typing import Any, Callable, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
 
 from diffdrive_kinematics.core.kinematics import NANOSECONDS
 from diffdrive_kinematics.core.odometry import (
     ClockStep, Encoder, JointMessage, NO_STEP, WheelPair, WheelSample)
+from diffdrive_kinematics.ros.messages.codec import JointStateCodec
 from diffdrive_kinematics.ros.messages.messages import check_stamp
-from diffdrive_kinematics.ros.messages.serialised_joints import JointStateCodec, JointValues
+from diffdrive_kinematics.ros.messages.plain import JointValues
 from diffdrive_kinematics.ros.messages.wheel_gathering import Gathered, Gathering
 from diffdrive_kinematics.ros.messages.wheel_joints import wheel_joints, WheelJoints
+from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64MultiArray
 
 NOBODY = -1
@@ -75,10 +77,10 @@ class WheelReader:
                    encoder_range=values['encoder_range'])
 
     def read(
-            self, message: bytes, now_ns: Callable[[], int], number: int = 0
-    ) -> Optional[WheelSample]:
+            self, message: Union[JointState, bytes], now_ns: Callable[[], int],
+            number: int = 0) -> Optional[WheelSample]:
         """
-        Return the wheel sample of a serialised message.
+        Return the wheel sample of a message, serialised or not.
 
         None: none of our joints is in it, it is one of several that make a sample, or another
         publisher is believed.  A zero stamp means now.  Values that are NaN for all our joints
@@ -226,7 +228,7 @@ class WheelWriter:
 
     def encode(
             self, stamp_ns: int, rates: Optional[WheelPair], positions: Optional[WheelPair]
-    ) -> bytes:
+    ) -> Union[bytes, JointState]:
         """Return the message with a stamp, rates [rad/s] and positions [rad]; None: absent."""
         joints, angles = self._joints, None
         if self.encode_two and positions and rates:  # as nearly always

@@ -227,7 +227,7 @@ class LeanBase:
             if self._new_rates:
                 self._new_rates = False
                 out.set_twist_covariance(self._held, self._odometry)
-            out.publisher.publish(out.codec.encode(now_ns, *pose, *self._twist))
+            out.publisher.publish(out.codec.encoded(now_ns, *pose, *self._twist))
         if self._joints:
             gear = self._gear
             self._joints.publish(self._encode_joints(

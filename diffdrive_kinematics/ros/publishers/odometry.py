@@ -21,8 +21,8 @@ from diffdrive_kinematics.core.kinematics import compose, inverse, Pose
 from diffdrive_kinematics.core.noise import twist_covariance
 import diffdrive_kinematics.core.odometry as core
 from diffdrive_kinematics.core.odometry import OdometryHistory, WheelPair
+from diffdrive_kinematics.ros.messages.codec import OdometryCodec, PathCodec
 from diffdrive_kinematics.ros.messages.messages import check_stamp, nanoseconds, pose_in_plane
-from diffdrive_kinematics.ros.messages.serialised import OdometryCodec, PathCodec
 from diffdrive_kinematics.ros.publishers.tf import frame_prefix, TransformPublisher
 from diffdrive_kinematics.ros.runtime.node import DiffDriveNode
 from nav_msgs.msg import Odometry, Path
@@ -74,7 +74,7 @@ class OdometryPublisher:
         if self.pose_slips:
             self.codec.set_pose_covariance(odometry.covariance_at(now_ns), self.floor)
         self.set_twist_covariance(reading.rates, odometry)
-        self.publisher.publish(self.codec.encode(now_ns, *reading.pose, *reading.twist))
+        self.publisher.publish(self.codec.encode(now_ns, reading))
 
 
 class BeliefCorrection:

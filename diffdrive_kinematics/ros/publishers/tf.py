@@ -17,7 +17,7 @@
 from typing import Any, Mapping, Optional, Tuple
 
 from diffdrive_kinematics.core.kinematics import Pose
-from diffdrive_kinematics.ros.messages.serialised import TransformCodec
+from diffdrive_kinematics.ros.messages.codec import TransformCodec
 from diffdrive_kinematics.ros.messages.tf_message_type import tf_message_type
 from diffdrive_kinematics.ros.runtime.node import DiffDriveNode
 from diffdrive_kinematics.ros.runtime.rclpy_private import given_overrides

@@ -17,7 +17,7 @@
 from typing import Any, Iterable, List, Mapping
 
 from diffdrive_kinematics.core.commands import WheelCommand
-from diffdrive_kinematics.ros.messages.twists import TwistCodec
+from diffdrive_kinematics.ros.messages.codec import TwistCodec
 from diffdrive_kinematics.ros.messages.wheel_joints import wheel_joints
 from diffdrive_kinematics.ros.messages.wheel_messages import set_points, WheelWriter
 from diffdrive_kinematics.ros.runtime.node import DiffDriveNode

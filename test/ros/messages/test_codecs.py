@@ -12,23 +12,23 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Messages as bytes, compared with messages that are filled in by hand, and read by objects."""
+"""Both codecs, compared with messages that are filled in by hand and with each other."""
 
+from contextlib import contextmanager
 import itertools
 import math
 import struct
 
 from diffdrive_kinematics.core.kinematics import Pose
-from diffdrive_kinematics.core.odometry import Encoder
+from diffdrive_kinematics.core.odometry import BaseState, Encoder
 from diffdrive_kinematics.nodes import simulated_base
-from diffdrive_kinematics.ros.messages import wheel_messages
+from diffdrive_kinematics.ros.messages import codec, plain, serialised, wheel_messages
 from diffdrive_kinematics.ros.messages.cdr import Layout
 from diffdrive_kinematics.ros.messages.messages import quaternion_of, set_stamp
-from diffdrive_kinematics.ros.messages.serialised import OdometryCodec, TransformCodec
-from diffdrive_kinematics.ros.messages.serialised_joints import JointStateCodec, JointValues
-from diffdrive_kinematics.ros.messages.twists import StampedTwist, TwistCodec
+from diffdrive_kinematics.ros.messages.plain import JointValues, StampedTwist
 from diffdrive_kinematics.ros.messages.wheel_joints import WheelJoints
 from diffdrive_kinematics.ros.messages.wheel_messages import set_points, WheelReader, WheelWriter
+from diffdrive_kinematics.ros.publishers import odometry as odometry_publisher
 from geometry_msgs.msg import TransformStamped, Twist, TwistStamped
 from hypothesis import given, settings, strategies as st
 from nav_msgs.msg import Odometry
@@ -46,6 +46,9 @@ PAIRS = st.tuples(NUMBERS, NUMBERS)
 STAMPS = st.integers(0, (2**31 - 1) * 10**9 - 1)
 POSES = st.builds(Pose, NUMBERS, NUMBERS, st.floats(-math.pi, math.pi))
 ANY_NUMBERS = NUMBERS | st.floats(width=64)
+
+both = pytest.mark.parametrize(
+    'codec', [plain, serialised], ids=['plain', 'serialised'])
 
 
 def significant(layout, data):
@@ -78,10 +81,11 @@ def joint_state_layout(message):
     return layout
 
 
+@both
 @settings(max_examples=300)
 @given(frame=NAMES, child=NAMES, stamp=STAMPS, pose=POSES, twist=PAIRS, covariance=st.tuples(
     *[NUMBERS] * 6), twist_covariance=st.tuples(*[NUMBERS] * 3), floor=NUMBERS)
-def test_odometry(frame, child, stamp, pose, twist, covariance, twist_covariance, floor):
+def test_odometry(codec, frame, child, stamp, pose, twist, covariance, twist_covariance, floor):
     message = Odometry(child_frame_id=child)
     message.header.frame_id = frame
     set_stamp(message.header.stamp, stamp)
@@ -101,7 +105,7 @@ def test_odometry(frame, child, stamp, pose, twist, covariance, twist_covariance
     vv, vw, ww = twist_covariance
     for (row, column), value in {(0, 0): vv, (0, 5): vw, (5, 5): ww}.items():
         twist_matrix[row, column] = twist_matrix[column, row] = value
-    ours = OdometryCodec(frame, child)
+    ours = codec.OdometryCodec(frame, child)
     ours.set_diagonals([1.0, 2.0, 3.0, 4.0, 5.0, 6.0], [7.0, 8.0, 9.0, 10.0, 11.0, 12.0])
     ours.set_pose_covariance(covariance, floor)
     ours.set_twist_covariance(twist_covariance)
@@ -109,20 +113,23 @@ def test_odometry(frame, child, stamp, pose, twist, covariance, twist_covariance
     layout.header(frame)
     layout.text(child)
     layout.numbers('d', [0.0] * 85)
-    assert_same_bytes(layout, ours.encode(stamp, *pose, *twist), message)
+    state = BaseState(pose, twist, (0.0, 0.0), (0.0, 0.0))
+    assert_same_bytes(layout, ours.encode(stamp, state), message)
     ours.set_diagonals([0.0] * 6, [0.0] * 6)
     message.pose.covariance[:] = message.twist.covariance[:] = 0.0
-    assert_same_bytes(layout, ours.encode(stamp, *pose, *twist), message)
+    assert_same_bytes(layout, ours.encode(stamp, state), message)
 
 
+@both
 @settings(max_examples=300)
 @given(source=NAMES, names=JOINTS, split=st.integers(1, 6), inverted=st.tuples(
     st.booleans(), st.booleans()), samples=st.lists(st.tuples(
         STAMPS, st.none() | PAIRS, st.none() | PAIRS), min_size=1, max_size=4))
-def test_joint_states(source, names, split, inverted, samples):
+def test_joint_states(codec, source, names, split, inverted, samples):
     split = min(split, len(names) - 1)
     joints = WheelJoints((tuple(names[:split]), tuple(names[split:])), inverted)
-    ours = WheelWriter(joints, source)
+    with using(codec):
+        ours = WheelWriter(joints, source)
     for stamp, rates, positions in samples:
         message = JointState(
             name=names, velocity=[] if rates is None else joints.spread(joints.signed(rates)),
@@ -133,23 +140,21 @@ def test_joint_states(source, names, split, inverted, samples):
             joint_state_layout(message), ours.encode(stamp, rates, positions), message)
 
 
-class ByObject:
-    """Reads a JointState by its message object."""
-
-    def decode(self, data):
-        message = deserialize_message(data, JointState)
-        header = message.header
-        return JointValues(
-            header.frame_id, tuple(message.name), header.stamp.sec, header.stamp.nanosec,
-            message.position, message.velocity)
+@contextmanager
+def using(codec):
+    """Have wheels written and read by a codec."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(wheel_messages, 'JointStateCodec', codec.JointStateCodec)
+        yield
 
 
+@both
 @given(values=st.builds(
     JointValues, NAMES, st.lists(NAMES, max_size=5).map(tuple), st.integers(0, 2**31 - 1),
     st.integers(0, 10**9 - 1), *[st.lists(ANY_NUMBERS, max_size=5).map(tuple)] * 2))
-def test_joint_values_are_read_as_they_were_written(values):
+def test_joint_values_are_read_as_they_were_written(codec, values):
     """Whatever their lengths, NaN included; read twice, since the first one makes a shape."""
-    ours, theirs = JointStateCodec(), ByObject()
+    ours, theirs = codec.JointStateCodec(), plain.JointStateCodec()
     message = ours.encode(values)
     for reader in (ours, ours, theirs):
         read = reader.decode(message)
@@ -168,8 +173,9 @@ def test_wheel_commands(names, rates, inverted):
     assert_same_bytes(layout, set_points(joints, rates), message)
 
 
+@both
 @given(frame=st.none() | NAMES, stamp=STAMPS, twist=PAIRS)
-def test_twists(frame, stamp, twist):
+def test_twists(codec, frame, stamp, twist):
     message = unstamped = Twist()
     unstamped.linear.x, unstamped.angular.z = twist
     layout = Layout()
@@ -179,26 +185,23 @@ def test_twists(frame, stamp, twist):
         message.header.frame_id = frame
         set_stamp(message.header.stamp, stamp)
     layout.numbers('d', [0.0] * 6)
-    ours = TwistCodec(frame).encode(stamp, *twist)
+    ours = codec.TwistCodec(frame).encode(stamp, *twist)
     assert_same_bytes(layout, ours, message)
     value = StampedTwist(0 if frame is None else stamp, *twist)
-    reader = TwistCodec(frame and '')  # whatever the frame of the message
+    reader = codec.TwistCodec(frame and '')  # whatever the frame of the message
     assert reader.decode(bytes(serialize_message(message))) == value
+    assert plain.TwistCodec(frame and '').decode(ours) == value
 
 
-def transform_of(frame, child, stamp, pose):
+@given(frame=NAMES, child=NAMES, stamp=STAMPS, pose=POSES)
+def test_a_transform(frame, child, stamp, pose):
     message = TransformStamped(child_frame_id=child)
     message.header.frame_id = frame
     set_stamp(message.header.stamp, stamp)
     message.transform.translation.x, message.transform.translation.y = pose.x, pose.y
     message.transform.rotation.z, message.transform.rotation.w = quaternion_of(pose.theta)
-    return message
-
-
-@given(frame=NAMES, child=NAMES, stamp=STAMPS, pose=POSES)
-def test_a_transform(frame, child, stamp, pose):
-    message = transform_of(frame, child, stamp, pose)
-    ours = TransformCodec(frame, child).encode(stamp, pose)
+    assert plain.TransformCodec(frame, child).transform(stamp, pose) == message
+    ours = serialised.TransformCodec(frame, child).encode(stamp, pose)
     assert ours[:8] == bytes(serialize_message(message))[:4] + struct.pack('=I', 1)
     # a TFMessage is a count and the transforms; tf2_msgs may be missing here
     layout, whole = Layout(), Layout()
@@ -215,9 +218,9 @@ def test_a_transform(frame, child, stamp, pose):
 @given(frame=NAMES, child=NAMES, stamp=STAMPS, pose=POSES)
 def test_transforms_are_the_same_where_tf2_msgs_is_there(frame, child, stamp, pose):
     tf2 = pytest.importorskip('tf2_msgs.msg')
-    message = transform_of(frame, child, stamp, pose)
-    assert deserialize_message(TransformCodec(frame, child).encode(
-        stamp, pose), tf2.TFMessage) == tf2.TFMessage(transforms=[message])
+    message = plain.TransformCodec(frame, child).encode(stamp, pose)
+    assert deserialize_message(
+        serialised.TransformCodec(frame, child).encode(stamp, pose), tf2.TFMessage) == message
 
 
 @given(st.data())
@@ -226,9 +229,8 @@ def test_wheels_are_read_alike(data):
     joints = WheelJoints((('a', 'b'), ('c',)), data.draw(st.tuples(st.booleans(), st.booleans())))
     period = data.draw(st.sampled_from([0.0, 4.0]))
     readers = []
-    for codec in (ByObject, JointStateCodec):
-        with pytest.MonkeyPatch.context() as patch:
-            patch.setattr(wheel_messages, 'JointStateCodec', codec)
+    for each in (plain, serialised):
+        with using(each):
             readers.append(WheelReader(joints, encoder_range=period))
     shapes = [JointState(
         name=data.draw(st.sampled_from([
@@ -283,7 +285,8 @@ def test_publishers_whose_messages_are_of_one_length_are_told_apart():
 def test_bytes_of_another_order_are_read_as_they_say():
     """Big-endian CDR, as some machine on the network may send it."""
     big = b'\0\0\0\0' + struct.pack('>6d', 1.0, 0.0, 0.0, 0.0, 0.0, 2.0)
-    assert TwistCodec(None).decode(big) == (0, 1.0, 2.0)
+    for each in (plain, serialised):
+        assert each.TwistCodec(None).decode(big) == (0, 1.0, 2.0)
     message = JointState(name=['left', 'right'], velocity=[3.0, 4.0])
     message.header.stamp.sec = 1
     layout = joint_state_layout(message)
@@ -295,12 +298,13 @@ def test_bytes_of_another_order_are_read_as_they_say():
     assert (little.stamp_ns, little.rates) == (10**9, (3.0, 4.0))
 
 
+@both
 @pytest.mark.parametrize('data', [
     b'', b'\0\1\0\0', b'\0\1\0\0' + bytes(20), b'\0\1\0\0' + b'\xff' * 40])
-def test_bytes_that_are_no_message_are_refused(data):
-    for read in (lambda: TwistCodec('').decode(data),
-                 lambda: TwistCodec(None).decode(data[:20]),
-                 lambda: JointStateCodec().decode(data)):
+def test_bytes_that_are_no_message_are_refused(codec, data):
+    for read in (lambda: codec.TwistCodec('').decode(data),
+                 lambda: codec.TwistCodec(None).decode(data[:20]),
+                 lambda: codec.JointStateCodec().decode(data)):
         with pytest.raises((ValueError, rclpy_implementation.RMWError)):
             read()
 
@@ -312,11 +316,21 @@ def test_encoders_are_read_where_there_are_some():
     assert list(message.position) == [1.0, -1.0]
 
 
-def test_a_base_says_what_its_wheels_do():
+def test_each_name_is_one_of_both_codecs():
+    """What is decided in one place can be decided otherwise."""
+    for name in ('JointStateCodec', 'OdometryCodec', 'TransformCodec', 'TwistCodec'):
+        assert getattr(codec, name) in (getattr(plain, name), getattr(serialised, name))
+    assert codec.CommandReader in (plain.TwistCodec, serialised.TwistCodec)
+
+
+@both
+def test_a_base_says_the_same_with_either_codec(codec, monkeypatch):
+    """One is a drop-in for the other in a running node."""
+    monkeypatch.setattr(odometry_publisher, 'OdometryCodec', codec.OdometryCodec)
     parameters = {
         'wheel_radius': 0.033, 'wheel_separation': 0.16, 'enable_odom_tf': False,
         'left_slip_variance': 1e-6, 'right_slip_variance': 2e-6}
-    with inside(simulated_base.SimulatedBase, parameters) as base:
+    with using(codec), inside(simulated_base.SimulatedBase, parameters) as base:
         for number in range(5):
             message = JointState(
                 name=['left_wheel_joint', 'right_wheel_joint'], velocity=[3.0, 4.0])

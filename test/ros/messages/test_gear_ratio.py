@@ -18,6 +18,7 @@ import math
 
 from diffdrive_kinematics.core.kinematics import WheelGeometry
 from diffdrive_kinematics.core.odometry import Encoder
+from diffdrive_kinematics.ros.messages.plain import JointStateCodec, JointValues
 from diffdrive_kinematics.ros.messages.urdf import Shape, urdf_of
 from diffdrive_kinematics.ros.messages.wheel_joints import wheel_joints, WheelJoints
 from diffdrive_kinematics.ros.messages.wheel_messages import set_points, WheelReader, WheelWriter
@@ -45,9 +46,7 @@ def said(message, message_type=JointState):
 
 
 def message_of(names, position, velocity=(), stamp=1):
-    message = JointState(name=list(names), position=position, velocity=velocity)
-    message.header.stamp.sec = stamp
-    return message
+    return JointStateCodec().encode(JointValues('', names, stamp, 0, position, velocity))
 
 
 def read(reader, message):

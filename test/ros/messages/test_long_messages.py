@@ -18,7 +18,7 @@ import math
 import time
 
 from diffdrive_kinematics.core.kinematics import Pose
-from diffdrive_kinematics.ros.messages import serialised
+from diffdrive_kinematics.ros.messages import codec
 from diffdrive_kinematics.ros.messages.messages import quaternion_of, set_stamp
 from geometry_msgs.msg import Point32, PolygonStamped, Pose as PoseMsg, PoseArray, PoseStamped
 from hypothesis import given, settings, strategies as st
@@ -72,7 +72,7 @@ def assert_says(ours, message):
 def test_samples_of_the_pose_are_a_pose_array(frame, stamp, poses):
     header = header_of(frame, stamp)
     rows = np.array(list(map(row_of, poses))).reshape(-1, 7)
-    assert_says(serialised.encode_poses(header, rows), PoseArray(
+    assert_says(codec.encode_poses(header, rows), PoseArray(
         header=header, poses=list(map(pose_of, poses))))
 
 
@@ -83,14 +83,14 @@ def test_a_boundary_is_a_polygon_of_single_precision(frame, stamp, points):
     message.polygon.points = [Point32(x=x, y=y) for x, y in points]
     rounded = deserialize_message(serialize_message(message), PolygonStamped)
     x, y = np.array(points).reshape(-1, 2).T
-    assert_says(serialised.encode_polygon(message.header, x, y), rounded)
+    assert_says(codec.encode_polygon(message.header, x, y), rounded)
 
 
 @settings(deadline=None)
 @given(frame=NAMES, timed=st.lists(st.tuples(STAMPS, POSES), max_size=6),
        most=st.integers(1, 4))
 def test_a_path_has_its_last_poses_each_with_its_time(frame, timed, most):
-    message = serialised.PathCodec(frame, most)
+    message = codec.PathCodec(frame, most)
     for time_ns, pose in timed:
         message.add(time_ns, pose)
     assert len(message) == min(most, len(timed))
@@ -98,7 +98,7 @@ def test_a_path_has_its_last_poses_each_with_its_time(frame, timed, most):
 
 
 def test_a_path_that_was_cleared_begins_anew():
-    message, late = serialised.PathCodec('odom', 3), (5, Pose(1.0, 2.0, 3.0))
+    message, late = codec.PathCodec('odom', 3), (5, Pose(1.0, 2.0, 3.0))
     message.add(4, Pose(0.0, 0.0, 0.0))
     message.clear()
     message.add(*late)
@@ -109,13 +109,13 @@ def test_a_path_that_was_cleared_begins_anew():
 def test_many_poses_cost_a_small_part_of_what_message_objects_cost(kind):
     """Compare the time of the thread, side by side: 20,000 objects hold up a loop for 0.1 s."""
     poses = [Pose(0.1 * i, 0.2, 0.3) for i in range(20_000)]
-    long = serialised.PathCodec('odom', len(poses))
+    long = codec.PathCodec('odom', len(poses))
     for i, pose in enumerate(poses):
         long.add(i, pose)
     rows = np.array(list(map(row_of, poses)))
     objects = path_of('odom', list(enumerate(poses)), len(poses))
     ours = {'path': long.encode,
-            'samples': lambda: serialised.encode_poses(Header(), rows)}[kind]
+            'samples': lambda: codec.encode_poses(Header(), rows)}[kind]
 
     def cost(make):
         seconds = []

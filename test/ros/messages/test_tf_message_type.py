@@ -17,7 +17,7 @@
 from diffdrive_kinematics.core.kinematics import Pose
 from diffdrive_kinematics.nodes.simulated_base import SimulatedBase
 from diffdrive_kinematics.ros.messages import tf_message_type as made
-from diffdrive_kinematics.ros.messages.serialised import TransformCodec
+from diffdrive_kinematics.ros.messages.codec import TransformCodec
 from diffdrive_kinematics.ros.publishers import tf
 import pytest
 from rclpy.serialization import deserialize_message
