@@ -50,9 +50,12 @@ def time_ns(robot):
     return round(robot.time * 1e9)
 
 
-def tell_wheels(robot, position=(), velocity=(), *, names=JOINTS, topic='wheel_rates', at_ns=None):
+def tell_wheels(
+        robot, position=(), velocity=(), *, names=JOINTS, topic='wheel_rates', at_ns=None,
+        frame_id=''):
     """Say what the wheels do, at this time or with another stamp."""
     message = JointState(name=list(names), position=[float(value) for value in position],
                          velocity=[float(value) for value in velocity])
     set_stamp(message, time_ns(robot) if at_ns is None else at_ns)
+    message.header.frame_id = frame_id
     robot.publish(topic, message)

@@ -14,270 +14,217 @@
 
 """Two publishers of what should have one: told apart, reported, and no motion of the robot."""
 
+import sys
 from types import SimpleNamespace
 
-from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from diffdrive_kinematics.ros.inputs.publisher_watch import PATIENCE, PublisherWatch
 from diffdrive_kinematics.ros.inputs.wheel_watch import WheelWatch
-from geometry_msgs.msg import Twist
 from nav_msgs.msg import Odometry
 import pytest
 import rclpy
+from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState
-from support.graph import DEEP, JOINTS, KHEPERA, set_stamp, stamp_ns, twist
+from support.graph import DEEP, JOINTS, KHEPERA, set_stamp, twist, x_of
+from support.health import OK, statuses_of, WARN, with_health
+from support.stepped import messages, nodes, tell_wheels
 
 RADIUS = KHEPERA['wheel_radius']
-STEP_NS = 20_000_000
-STEP = 0.06  # [rad] in STEP_NS
-TRIES = 3
+STEP_NS, STEP_S = 20_000_000, 0.02
+STEP = 0.06  # [rad] in STEP_S
 REST = 50  # steps before it moves, in which all are heard
-LATE = 10  # steps of which a driver that sends them at once was silent
 TIMEOUT_S = 0.5  # command_timeout of the base, for which it goes on by itself
 BASE = {**KHEPERA, 'enable_odom_tf': False, 'diagnostics_rate': 10.0}
-SPEED = STEP * 1e9 / STEP_NS * RADIUS
+SPEED = STEP / STEP_S * RADIUS
+SEVERAL = "several publishers on '/wheel_rates'"
+ZEROS = """
+import sys
+
+from diffdrive_kinematics.testing import spin
+import rclpy
+from rclpy.parameter import Parameter
+from sensor_msgs.msg import JointState
 
 
-def statuses_of(graph, name):
-    """Return a list to which each status of a node is added."""
-    found = []
-    graph.collect(DiagnosticArray, '/diagnostics', lambda message: found.extend(
-        status for status in message.status if status.name == name))
-    return found
+def say_zeros():
+    message = JointState(name=sys.argv[1:], position=[0.0] * len(sys.argv[1:]))
+    message.header.stamp = node.get_clock().now().to_msg()
+    publisher.publish(message)
 
 
-def warned(statuses, words):
-    return [status for status in statuses
-            if status.level == DiagnosticStatus.WARN and words in status.message]
+rclpy.init()
+node = rclpy.create_node(
+    'joint_state_publisher', parameter_overrides=[Parameter('use_sim_time', value=True)])
+publisher = node.create_publisher(JointState, 'wheel_rates', 100)
+node.create_timer(0.1, say_zeros)
+spin(node)
+"""
 
 
-def value(status, key):
-    return next(pair.value for pair in status.values if pair.key == key)
+def angle_after(steps):
+    """Return the angle [rad] of wheels that rest, and then turn at one rate."""
+    return STEP * max(0, steps - REST)
 
 
-class Publishers:
-    """A driver, and another node that publishes joint states on the same topic."""
+class Driver:
+    """A driver of wheels, and a node that hears it."""
 
-    def __init__(self, graph, names, frame_ids=('', ''), velocity=False):
-        self.graph, self._names, self._velocity = graph, names, velocity
-        self.driver = graph.publisher(JointState, 'wheel_rates')
-        self._node = rclpy.create_node(
-            'joint_state_publisher', context=graph.context, start_parameter_services=False)
-        self.other = self._node.create_publisher(JointState, 'wheel_rates', DEEP)
-        graph.wait_for(lambda: self.other.get_subscription_count() == 1, 'the other publisher')
-        self._frame_ids = frame_ids
-        self._start_ns, self.step = graph.now_ns(), 0
-        self._late_step = -1
+    def __init__(self, diffdrive, capfd, node='simulated_base', frame_id='', velocity=False):
+        self.robot = with_health(diffdrive(nodes(node), params=BASE))
+        self._capfd, self._output = capfd, ''
+        self._frame_id, self._velocity, self._step = frame_id, velocity, 0
 
-    def say_zeros(self):
-        message = JointState(name=self._names, position=[0.0] * len(self._names))
-        self._send(self.other, message, self._frame_ids[1])
+    def begin_zeros(self, names=JOINTS):
+        """Start another node that publishes zeros of joints."""
+        self.robot.start_process([sys.executable, '-c', ZEROS, *names], lockstep=True)
 
-    def say_position(self):
-        message = JointState(name=JOINTS, position=[self.angle()] * 2)
-        if self._velocity:
-            message.velocity = [STEP * 1e9 / STEP_NS if self.step > REST else 0.0] * 2
-        self._send(self.driver, message, self._frame_ids[0])
+    def roll(self, steps):
+        """Tell step by step what the wheels do."""
+        for _ in range(steps):
+            self.robot.advance(STEP_S)
+            self._step += 1
+            rate = STEP / STEP_S if self._step > REST else 0.0
+            tell_wheels(self.robot, [angle_after(self._step)] * 2, [rate] * 2 if self._velocity else (),
+                        frame_id=self._frame_id)
 
-    def _send(self, publisher, message, frame_id):
-        set_stamp(message, self._start_ns + self.step * STEP_NS)
-        message.header.frame_id = frame_id
-        publisher.publish(message)
+    def output(self):
+        self._output += self._capfd.readouterr().err
+        return self._output
 
-    def angle(self):
-        return STEP * max(0, self.step - REST)
+    def status(self):
+        """Return the level, the words and the values of the base's last status."""
+        return statuses_of(self.robot, '/simulated_base')[-1]
 
-    def going_on(self, condition):
-        """Return a condition that lets both go on, in real time, until it is true."""
-        def until():
-            step = self.step
-            while self._start_ns + self.step * STEP_NS < self.graph.now_ns():
-                self.step += 1
-                self.say_position()
-                if self.step % 5 == 0:
-                    self.say_zeros()
-            if self.step - step > LATE:
-                self._late_step = self.step
-            return condition()
-
-        return until
-
-    def was_silent_since(self, step):
-        """Return whether the driver was held up after a step, or shortly before."""
-        return self._late_step > step - 2 * REST
-
-    @property
-    def was_ever_silent(self):
-        return self._late_step >= 0
-
-    def close(self):
-        self._node.destroy_node()
+    def assert_goes_steadily(self):
+        """See that the robot never goes back nor too fast, and as far as the driver says."""
+        odometry = messages(self.robot, 'odom')
+        xs = [message.pose.pose.position.x for message in odometry]
+        assert all(b - a > -0.005 for a, b in zip(xs, xs[1:]))
+        assert xs[-1] == pytest.approx(RADIUS * angle_after(self._step), abs=0.03) and xs[-1] > 0.1
+        assert all(abs(message.twist.twist.linear.x) < 3.0 * SPEED for message in odometry)
 
 
 @pytest.fixture
-def publishers_with(graph):
-    made = []
-
-    def make(names, **options):
-        made.append(Publishers(graph, names, **options))
-        return made[-1]
-
-    yield make
-    for each in made:
-        each.close()
+def driver(diffdrive, capfd):
+    """Return what makes a driver, and a node that hears it."""
+    return lambda *node, **options: Driver(diffdrive, capfd, *node, **options)
 
 
-def has_gap(odometry):
-    """Return whether a base stood still for some time, by the stamps of what it said."""
-    stamps = [stamp_ns(message) for message in odometry]
-    return any(b - a > LATE * STEP_NS for a, b in zip(stamps, stamps[1:]))
-
-
-def assert_goes_steadily(graph, odometry, publishers, going_on=None):
-    """
-    See that the robot never goes back nor too fast, and as far as the driver says.
-
-    Where this process or the base is held up for seconds, the driver is silent for as long: who
-    speaks first takes its place, and what it has rolled is not told.  So where either was, and
-    only there, that is looked at again; and what the base went on by itself is taken back.
-    """
-    def x():
-        return odometry[-1].pose.pose.position.x
-
-    def as_far_as_the_driver():
-        first, asked_ns, begun_at = len(odometry), graph.now_ns(), publishers.step
-        graph.wait_for(going_on(lambda: odometry and stamp_ns(odometry[-1]) > asked_ns),
-                       'odometry of now')
-        begin, angle, step = x(), publishers.angle(), publishers.step
-
-        def there():
-            way = RADIUS * (publishers.angle() - angle)
-            return x() - begin == pytest.approx(way, abs=0.03)
-
-        graph.wait_for(going_on(lambda: publishers.step > step + 100), 'some way')
-        heard = len(odometry)
-        graph.wait_for(going_on(lambda: there() or len(odometry) > heard + 100), 'the way')
-        base_stood = has_gap(odometry[max(0, first - 2 * REST):])
-        reached = there()
-        assert reached or base_stood or publishers.was_silent_since(begun_at), (
-            'travel was not counted, although nothing was held up')
-        return reached
-
-    going_on = going_on or publishers.going_on
-    assert any(as_far_as_the_driver() for _ in range(TRIES))
-    graph.wait_for(going_on(lambda: len(odometry) > 50), 'enough of odometry')
-    xs = [message.pose.pose.position.x for message in odometry]
-    held_up = publishers.was_ever_silent or has_gap(odometry)
-    by_itself = SPEED * TIMEOUT_S if held_up else 0.0
-    assert all(b - a > -by_itself - 0.005 for a, b in zip(xs, xs[1:]))
-    assert max(xs) < RADIUS * publishers.angle() + by_itself + 0.03
-    assert all(abs(message.twist.twist.linear.x) < 3.0 * SPEED for message in odometry)
-
-
+@pytest.mark.ros
 @pytest.mark.parametrize('velocity', [False, True], ids=['positions', 'both'])
-@pytest.mark.parametrize('frame_ids', [('', ''), ('driver#1', '')])
+@pytest.mark.parametrize('frame_id', ['', 'driver#1'])
 def test_zeros_of_a_joint_state_publisher_beside_the_driver_are_reported_and_do_not_move_it(
-        graph, publishers_with, frame_ids, velocity):
-    base = graph.start('simulated_base', BASE)
-    odometry, statuses = graph.collect(Odometry, 'odom'), statuses_of(graph, '/simulated_base')
-    both = publishers_with(JOINTS, frame_ids=frame_ids, velocity=velocity)
-    words = "several publishers on '/wheel_rates'"
-    graph.wait_for(both.going_on(lambda: words in base.output and warned(statuses, words)),
-                   'a report')
-    graph.wait_for(both.going_on(lambda: both.step > 150), 'some way')
-    assert_goes_steadily(graph, odometry, both)
-    line = next(line for line in base.output.splitlines() if words in line)
-    assert '/joint_state_publisher' in line and '/test' in line and 'let one node publish' in line
-    assert base.output.count(words) == 1
-    graph.wait_for(
-        lambda: int(value(statuses[-1], 'messages of other publishers')) > 10, 'their count')
+        driver, frame_id, velocity):
+    driver = driver(frame_id=frame_id, velocity=velocity)
+    driver.begin_zeros()
+    driver.roll(250)
+    driver.assert_goes_steadily()
+    line, = (line for line in driver.output().splitlines() if SEVERAL in line)
+    for words in '/joint_state_publisher', '/diffdrive_test', 'let one node publish':
+        assert words in line
+    level, text, values = driver.status()
+    assert level == WARN and SEVERAL in text
+    assert int(values['messages of other publishers']) > 10
 
 
-def test_zeros_that_were_there_first_give_way_to_the_driver(graph, publishers_with):
-    base = graph.start('simulated_base', BASE)
+@pytest.mark.ros
+def test_zeros_that_were_there_first_give_way_to_the_driver(driver):
+    driver = driver()
+    driver.begin_zeros()
+    driver.robot.advance(3.0)
+    driver.roll(250)
+    driver.assert_goes_steadily()
+    assert SEVERAL in driver.output()
+
+
+@pytest.mark.ros
+def test_joint_states_of_an_arm_beside_the_driver_are_nothing_to_report(driver):
+    driver = driver()
+    driver.begin_zeros(['arm', 'gripper'])
+    driver.roll(250)
+    driver.assert_goes_steadily()
+    assert 'several publishers' not in driver.output()
+    statuses = statuses_of(driver.robot, '/simulated_base')
+    assert len(statuses) > 20 and not any('publishers' in text for _, text, _ in statuses)
+    assert driver.status()[2]['messages of other publishers'] == '0'
+
+
+@pytest.mark.ros
+@pytest.mark.parametrize('node', ['wheel_noise', 'forward_projection'])
+def test_whoever_listens_to_wheel_motion_reports_two_publishers_of_it(driver, node):
+    driver = driver(node)
+    driver.begin_zeros()
+    driver.roll(100)
+    assert SEVERAL in driver.output()
+
+
+@pytest.mark.parametrize('use_sim_time', [False, True])
+def test_in_real_processes_they_are_told_apart_as_well(graph, use_sim_time):
+    """What a busy machine holds up may give way to zeros, and what it went on is taken back."""
+    base = graph.start('simulated_base', {**BASE, 'use_sim_time': use_sim_time})
     odometry = graph.collect(Odometry, 'odom')
-    both = publishers_with(JOINTS)
-    for _ in range(30):
-        both.say_zeros()
-    graph.wait_for(lambda: odometry, 'zeros')
-    graph.wait_for(both.going_on(lambda: 'several publishers' in base.output), 'a report')
-    graph.wait_for(both.going_on(lambda: both.step > 150), 'some way')
-    assert_goes_steadily(graph, odometry, both)
+    clock = graph.publisher(Clock, '/clock', listeners=int(use_sim_time))
+    other = rclpy.create_node('other', context=graph.context, start_parameter_services=False)
+    driver, zeros = (
+        node.create_publisher(JointState, 'wheel_rates', DEEP) for node in (graph.node, other))
+    for publisher in driver, zeros:
+        graph.wait_for(publisher.get_subscription_count, 'the base to listen')
+    start_ns, step, places = graph.now_ns(), 0, []
+
+    def say(publisher, angle):
+        message = JointState(name=JOINTS, position=[angle, angle])
+        set_stamp(message, start_ns + step * STEP_NS)
+        publisher.publish(message)
+
+    def driven():
+        """Let both go on in real time; return the ways [m] told and gone in 3 s each."""
+        nonlocal step
+        while start_ns + step * STEP_NS < graph.now_ns():
+            step += 1
+            say(driver, angle_after(step))
+            if step % 5 == 0:
+                say(zeros, 0.0)
+        message = Clock()
+        message.clock.sec, message.clock.nanosec = divmod(graph.now_ns(), 10**9)
+        clock.publish(message)
+        if odometry and step >= 150 * len(places) + 2 * REST:
+            places.append((RADIUS * angle_after(step), x_of(odometry)))
+        return [(told - told_before, x - x_before)
+                for (told, x), (told_before, x_before) in zip(places[1:], places)]
+
+    graph.wait_for(lambda: any(
+        way == pytest.approx(told, abs=0.03) for told, way in driven()) and SEVERAL in base.output,
+        'a report, and the way')
+    xs = [message.pose.pose.position.x for message in odometry]
+    by_itself = SPEED * TIMEOUT_S
+    assert all(b - a > -by_itself - 0.005 for a, b in zip(xs, xs[1:]))
+    assert max(xs) < RADIUS * angle_after(step) + by_itself + 0.03
+    other.destroy_node()
 
 
-def test_on_simulated_time_they_are_told_apart_as_well(graph, publishers_with):
-    """Messages are handed on as they come there, by an executor."""
-    from rosgraph_msgs.msg import Clock
-    base = graph.start('simulated_base', {**BASE, 'use_sim_time': True})
-    odometry = graph.collect(Odometry, 'odom')
-    clock = graph.publisher(Clock, '/clock')
-    both = publishers_with(JOINTS)
+@pytest.mark.ros
+def test_two_publishers_of_commands_are_reported_with_the_remedy_while_there_are_two(
+        diffdrive, capfd):
+    robot = with_health(diffdrive(
+        nodes('diff_drive_controller', 'command_sequence:teleop'),
+        params={**KHEPERA, 'diagnostics_rate': 10.0, 'commands': [0.1, 0.0, 600.0]}))
 
-    def until(condition):
-        def ticking():
-            message = Clock()
-            message.clock.sec, message.clock.nanosec = divmod(graph.now_ns(), 10**9)
-            clock.publish(message)
-            return condition()
+    def told():
+        """Let both drive; return what is said, and the level, words and values of the status."""
+        robot.drive(0.1, 0.0, 2.0)
+        return capfd.readouterr().err, *statuses_of(robot, '/diff_drive_controller')[-1]
 
-        return both.going_on(ticking)
-
-    graph.wait_for(until(lambda: 'several publishers' in base.output), 'a report')
-    graph.wait_for(until(lambda: both.step > 150), 'some way')
-    assert_goes_steadily(graph, odometry, both, until)
-
-
-def test_joint_states_of_an_arm_beside_the_driver_are_nothing_to_report(graph, publishers_with):
-    base = graph.start('simulated_base', BASE)
-    odometry, statuses = graph.collect(Odometry, 'odom'), statuses_of(graph, '/simulated_base')
-    both = publishers_with(['arm', 'gripper'])
-    graph.wait_for(both.going_on(lambda: both.step > 150 and len(statuses) > 20), 'three seconds')
-    assert_goes_steadily(graph, odometry, both)
-    assert 'several publishers' not in base.output
-    assert not warned(statuses, 'publishers')
-    assert value(statuses[-1], 'messages of other publishers') == '0'
-
-
-@pytest.mark.parametrize('name, topic', [
-    ('wheel_noise', 'wheel_rates'), ('forward_projection', 'wheel_rates')])
-def test_whoever_listens_to_wheel_motion_reports_two_publishers_of_it(
-        graph, publishers_with, name, topic):
-    node = graph.start(name, KHEPERA if name != 'wheel_noise' else {'wheel_radius': RADIUS})
-    both = publishers_with(JOINTS)
-    graph.wait_for(both.going_on(lambda: 'several publishers' in node.output), 'a report')
-
-
-def test_two_publishers_of_commands_are_reported_with_the_remedy_while_there_are_two(graph):
-    controller = graph.start('diff_drive_controller', {**KHEPERA, 'diagnostics_rate': 10.0})
-    statuses = statuses_of(graph, '/diff_drive_controller')
-    commands = graph.publisher(Twist, 'cmd_vel')
-
-    def driving(condition):
-        def until():
-            commands.publish(twist(0.1, 0.0))
-            return condition()
-
-        return until
-
-    graph.wait_for(driving(lambda: statuses and statuses[-1].level == DiagnosticStatus.OK),
-                   'a healthy controller')
-    assert 'twist_mux' not in controller.output
-    teleop = rclpy.create_node(
-        'teleop', context=graph.context, start_parameter_services=False)
-    try:
-        teleop.create_publisher(Twist, 'cmd_vel', 1)
-        graph.wait_for(driving(lambda: 'twist_mux' in controller.output
-                               and warned(statuses, 'twist_mux')), 'a report')
-        line = next(line for line in controller.output.splitlines() if 'twist_mux' in line)
-        assert "2 publishers of '/cmd_vel' (/teleop, /test)" in line
-        assert value(warned(statuses, 'twist_mux')[-1], 'publishers of commands') == '2'
-    finally:
-        teleop.destroy_node()
-    again = "'/cmd_vel' has no more than one publisher again"
-    graph.wait_for(driving(lambda: again in controller.output), 'the end of it')
-    heard = len(statuses)
-    graph.wait_for(driving(lambda: DiagnosticStatus.OK in {
-        status.level for status in statuses[heard:]}), 'a healthy controller again')
-    assert controller.output.count('twist_mux') == 1
+    robot.kill('teleop')
+    output, level, _, _ = told()
+    assert level == OK and 'twist_mux' not in output
+    robot.restart('teleop')
+    output, level, text, values = told()
+    line, = (line for line in output.splitlines() if 'twist_mux' in line)
+    assert "2 publishers of '/cmd_vel' (/diffdrive_test, /teleop)" in line
+    assert level == WARN and 'twist_mux' in text and values['publishers of commands'] == '2'
+    robot.kill('teleop')
+    output, level, _, _ = told()
+    assert level == OK and "'/cmd_vel' has no more than one publisher again" in output
+    assert 'twist_mux' not in output
 
 
 class Discovery:
