@@ -21,15 +21,9 @@ from nav_msgs.msg import Odometry
 import pytest
 from rclpy.parameter import Parameter
 from sensor_msgs.msg import JointState
-from support.graph import JOINTS, KHEPERA, set_stamp, stamp_ns
+from support.graph import KHEPERA, stamp_ns, wheel_motion
 from support.inside import inside, START_NS
-from support.stepped import messages, nodes
-
-
-def wheel_rates(time_ns, left, right):
-    message = JointState(name=JOINTS, velocity=[left, right])
-    set_stamp(message, time_ns)
-    return message
+from support.stepped import messages, nodes, tell_wheels
 
 
 @pytest.mark.quick
@@ -39,7 +33,8 @@ def test_odometry_has_its_frames_initial_pose_covariances_and_twist_in_the_robot
         'base_frame_id': 'robot', 'enable_odom_tf': False, 'command_timeout': 0.0,
         'pose_covariance_diagonal': [1.0, 2.0, 3.0, 4.0, 5.0, 6.0]})
     odometry = graph.collect(Odometry, 'odom')
-    graph.publisher(JointState, 'wheel_rates').publish(wheel_rates(graph.now_ns(), 1.0, 1.0))
+    graph.publisher(JointState, 'wheel_rates').publish(
+        wheel_motion(graph.now_ns(), velocity=[1.0, 1.0]))
     message = graph.wait_for(
         lambda: odometry and odometry[-1].pose.pose.position.y > 2.01 and odometry[-1], 'motion')
     assert (message.header.frame_id, message.child_frame_id) == ('map', 'robot')
@@ -56,7 +51,7 @@ def test_joint_states_carry_accumulated_positions_and_can_be_switched_off(diffdr
             'odom_topic': 'ground_truth', 'joint_states_topic': ''}),
         params={**KHEPERA, 'enable_odom_tf': False, 'command_timeout': 0.0})
     robot.advance(0.1)
-    robot.publish('wheel_rates', wheel_rates(100_000_000, 2.0, -1.0))
+    tell_wheels(robot, velocity=[2.0, -1.0])
     robot.advance(1.0)
     joints = messages(robot, 'joint_states')
     seconds = stamp_ns(joints[-1]) / 1e9 - 0.1
@@ -70,7 +65,7 @@ def test_the_wheels_stop_exactly_at_the_last_stamp_plus_the_timeout(diffdrive):
     robot = diffdrive(nodes('simulated_base'), params={
         **KHEPERA, 'enable_odom_tf': False, 'command_timeout': 0.3})
     robot.advance(0.1)
-    robot.publish('wheel_rates', wheel_rates(100_000_000, 2.0, 4.0))
+    tell_wheels(robot, velocity=[2.0, 4.0])
     robot.advance(1.0)
     message = robot.history('joint_states')[-1].message
     assert list(message.velocity) == [0.0, 0.0]
@@ -119,10 +114,8 @@ def test_both_wheels_are_scaled_by_one_factor_at_the_wheel_rate_bound(diffdrive)
 def test_a_change_of_geometry_and_of_the_rate_at_run_time_keeps_the_pose():
     with inside(SimulatedBase, {**KHEPERA, 'enable_odom_tf': False}) as held:
         def roll(offset_ns, angle):
-            message = JointState(name=JOINTS, position=[angle, angle])
-            set_stamp(message, START_NS + offset_ns)
             held.advance_to(START_NS + offset_ns)
-            held.hear('/wheel_rates', message)
+            held.hear('/wheel_rates', wheel_motion(START_NS + offset_ns, [angle, angle]))
 
         roll(0, 0.0)
         roll(100_000_000, 1.0)

@@ -17,8 +17,7 @@
 from diffdrive_kinematics.nodes.simulated_base import SimulatedBase
 from diffdrive_kinematics.nodes.wheel_noise import WheelNoise
 import pytest
-from sensor_msgs.msg import JointState
-from support.graph import JOINTS, KHEPERA, set_stamp
+from support.graph import JOINTS, KHEPERA, wheel_motion
 from support.inside import inside, START_NS
 from support.stepped import messages
 
@@ -74,12 +73,11 @@ def rolling(held, step_ms, first, says):
         stamp_ns = START_NS + MS * (
             passed_ms + (0 if first == 'the clock' and number == 30 else back))
         for joints in [JOINTS[:1], JOINTS[1:]] if says == 'a wheel at a time' else [JOINTS]:
-            message = JointState(name=joints, velocity=[RATE] * len(joints))
-            message.header.frame_id = '/controller#1' if says in ('rates', 'both') else ''
-            if says != 'rates' and (number or says != 'both'):
-                message.position = [RATE * passed_ms / 1e3] * len(joints)
-            set_stamp(message, stamp_ns)
-            held.hear('/wheel_rates', message)
+            told = says != 'rates' and (number or says != 'both')
+            held.hear('/wheel_rates', wheel_motion(
+                stamp_ns, [RATE * passed_ms / 1e3] * len(joints) if told else (),
+                [RATE] * len(joints), names=joints,
+                frame_id='/controller#1' if says in ('rates', 'both') else ''))
         yield passed_ms
 
 

@@ -14,7 +14,7 @@
 
 """Killed processes, bad links, floods and clocks that jump: what it costs is known, or nothing."""
 
-from itertools import count, cycle
+from itertools import cycle
 import math
 from pathlib import Path
 import random
@@ -28,7 +28,8 @@ from nav_msgs.msg import Odometry
 import pytest
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState
-from support.graph import KHEPERA, pose_of, set_stamp, stamp_ns, twist, x_of
+from support.graph import (
+    KHEPERA, pose_of, set_stamp, SimulatedTime, stamp_ns, twist, x_of)
 from support.relay import composed, merging_error, Relay
 from support.stepped import messages, nodes
 
@@ -40,10 +41,6 @@ HOUR_NS = 3600 * 10**9
 SPEED = 0.2  # [m/s]
 NO_TIMES = [Time(sec=sec, nanosec=nanosec) for sec, nanosec in (
     (-1, 0), (-2**31, 5), (2**31 - 1, 0), (100, 10**9), (2**31 - 1, 2**32 - 1))]
-
-
-def time_of(time_ns):
-    return Time(sec=time_ns // 10**9, nanosec=time_ns % 10**9)
 
 
 def assert_pose(message, expected, within=1e-9):
@@ -253,21 +250,17 @@ def test_a_simulated_clock_that_jumps_by_an_hour_moves_nothing_and_stalls_nothin
         **simulated, 'enable_odom_tf': False, 'wheel_motion_topic': 'noisy_wheel_rates'})
     places = []  # (x, time that has gone on until the message came)
     graph.collect(Odometry, 'odom', lambda message: places.append(
-        (message.pose.pose.position.x, passed_ns / 1e9)))
-    clock = graph.node.create_publisher(Clock, '/clock', 1)
+        (message.pose.pose.position.x, (clock.now_ns - began_ns) / 1e9)))
     commands = graph.publisher(Twist, 'cmd_vel')
-    began, passed_ns = 2 * HOUR_NS, 0
+    began_ns, clock = 2 * HOUR_NS, SimulatedTime(graph, 2 * HOUR_NS, 20_000_000)
 
     def past(x):
-        nonlocal passed_ns
-        passed_ns += 20_000_000
-        clock.publish(Clock(clock=time_of(began + passed_ns)))
         commands.publish(twist(SPEED, 0.0))
         return places and places[-1][0] > x
 
-    graph.wait_for(lambda: past(0.1), 'the robot to drive')
-    began, passed = began + step_ns, places[-1][0]
-    graph.wait_for(lambda: past(passed + 0.2), 'the robot to go on')
+    clock.wait_for(lambda: past(0.1), 'the robot to drive')
+    began_ns, clock.now_ns, passed = began_ns + step_ns, clock.now_ns + step_ns, places[-1][0]
+    clock.wait_for(lambda: past(passed + 0.2), 'the robot to go on')
     furthest = 0.0
     for x, seconds in places:
         furthest = max(furthest, x)
@@ -282,22 +275,18 @@ def test_a_simulated_clock_that_shows_what_is_no_time_ends_no_node_and_they_go_o
         'forward_projection': KHEPERA, 'command_sequence': {'commands': [SPEED, 0.0, 1000.0]}}
     processes = [graph.start(name, {**parameters, 'use_sim_time': True})
                  for name, parameters in nodes.items()]
-    clock = graph.publisher(Clock, '/clock', listeners=len(nodes))
-    steps, no_times = count(), cycle(NO_TIMES)
-
-    def past(x):
-        clock.publish(Clock(clock=time_of(10**12 + next(steps) * 20_000_000)))
-        return odometry and odometry[-1].pose.pose.position.x > x
+    nonsense, no_times = graph.publisher(Clock, '/clock', listeners=len(nodes)), cycle(NO_TIMES)
+    clock = SimulatedTime(graph, 10**12, 20_000_000)
 
     def refused():
-        clock.publish(Clock(clock=next(no_times)))  # of those that come at once one is heard
+        nonsense.publish(Clock(clock=next(no_times)))  # of those that come at once one is heard
         return all(process.output.count("refused message on '/clock': ") > 1
                    for process in processes)
 
-    graph.wait_for(lambda: past(0.1), 'the robot to drive')
-    passed = odometry[-1].pose.pose.position.x
+    clock.wait_for(lambda: odometry and x_of(odometry) > 0.1, 'the robot to drive')
+    passed = x_of(odometry)
     graph.wait_for(refused, 'the refusals')
-    graph.wait_for(lambda: past(passed + 0.1), 'the robot to go on')
+    clock.wait_for(lambda: x_of(odometry) > passed + 0.1, 'the robot to go on')
     for process in processes:
         assert process.running
         assert 'clock was stepped' not in process.output
@@ -312,30 +301,19 @@ def test_a_robot_whose_controller_ends_at_speed_stands_from_its_last_word_on(gra
     controller = graph.start('diff_drive_controller', {**settings, **HELD})
     odometry, rates = graph.collect(Odometry, 'odom'), graph.collect(JointState, 'wheel_rates')
     commands = graph.publisher(Twist, 'cmd_vel')
-    clock = graph.node.create_publisher(Clock, '/clock', 1)
-    now = HOUR_NS
-
-    def on(condition):
-        nonlocal now
-        now += 20_000_000
-        clock.publish(Clock(clock=time_of(now)))
-        return condition()
-
-    def wait_on(condition, what):
-        graph.wait_for(lambda: on(condition), what)
-
-    wait_on(lambda: commands.publish(twist(SPEED, 0.0)) or (
+    clock = SimulatedTime(graph, step_ns=20_000_000)
+    clock.wait_for(lambda: commands.publish(twist(SPEED, 0.0)) or (
         rates and odometry and x_of(odometry) > 0.0), 'the base to hear the controller')
     commands.publish(twist(0.0, 0.0))
     graph.wait_for_rest(
-        [rates], [odometry], now if use_sim_time else None, wait_on)
+        [rates], [odometry], clock.now_ns if use_sim_time else None, clock.wait_for)
     began, position = x_of(odometry), rates[-1].position[0]
     commands.publish(twist(SPEED, 0.0))
     graph.wait_for(lambda: rates[-1].velocity[0] > 0.0, 'the robot to drive')
     assert controller.stop() == 0
     graph.wait_for(lambda: rates[-1].velocity[0] == 0.0, 'the last word')
     last = stamp_ns(rates[-1])
-    wait_on(lambda: stamp_ns(odometry[-1]) > last + 500_000_000, 'odometry after it')
+    clock.wait_for(lambda: stamp_ns(odometry[-1]) > last + 500_000_000, 'odometry after it')
     driving = max(n for n, message in enumerate(rates) if message.velocity[0] > 0.0)
     assert len({tuple(message.position) for message in rates[driving + 1:]}) == 1
     rolled = (rates[-1].position[0] - position) * KHEPERA['wheel_radius']

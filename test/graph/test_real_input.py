@@ -19,11 +19,9 @@ import math
 
 from diffdrive_kinematics.core.kinematics import wrap_angle
 import pytest
-from sensor_msgs.msg import JointState
-from support.graph import JOINTS, set_stamp
 from support.recorded import (
     end_error, implied_commands, load, offline_pose, RADIUS, RUNS, SEPARATION, wheel_positions)
-from support.stepped import nodes
+from support.stepped import nodes, tell_wheels
 
 pytestmark = pytest.mark.ros
 
@@ -43,12 +41,9 @@ def replay_encoders(diffdrive, rows):
     robot = diffdrive(nodes('simulated_base'), params={
         **ROBOT, 'wheel_motion_topic': 'joint_states', 'joint_states_topic': 'rolled',
         'enable_odom_tf': False, 'extrapolate_positions': False}, clock_step=STEP_S)
-    message = JointState(name=JOINTS)
     for row, position in zip(rows, wheel_positions(rows)):
         steps_to(row['time_sec'], robot)
-        set_stamp(message, round(row['time_sec'] * 1e9))
-        message.position = list(position)
-        robot.publish('joint_states', message)
+        tell_wheels(robot, position, topic='joint_states', at_ns=round(row['time_sec'] * 1e9))
     pose = robot.odom
     robot.close()
     return pose

@@ -20,10 +20,9 @@ from diffdrive_kinematics.nodes.simulated_base import SimulatedBase
 from geometry_msgs.msg import Twist
 from nav_msgs.msg import Odometry
 import pytest
-from sensor_msgs.msg import JointState
-from support.graph import JOINTS, KHEPERA, set_stamp, stamp_ns, twist, x_of
+from support.graph import KHEPERA, stamp_ns, twist, wheel_motion, x_of
 from support.inside import inside, START_NS
-from support.stepped import messages, nodes
+from support.stepped import messages, nodes, tell_wheels, time_ns
 
 SPEED = 0.2  # [m/s]
 TIMEOUT_S = 0.5  # command_timeout of the base
@@ -95,9 +94,7 @@ def test_joint_states_of_a_clock_that_is_ahead_count_from_their_second_message_o
         **KHEPERA, 'enable_odom_tf': False, 'extrapolate_positions': False})
     for number in range(9):
         robot.advance(0.02)
-        message = JointState(name=JOINTS, position=[float(number), float(number)])
-        set_stamp(message, round(robot.time * 1e9) + 3_000_000_000)
-        robot.publish('wheel_rates', message)
+        tell_wheels(robot, [number, number], at_ns=time_ns(robot) + 3_000_000_000)
     assert robot.odom.x == pytest.approx(8 * 0.021, abs=1e-12)
 
 
@@ -134,9 +131,7 @@ def test_a_clock_that_follows_the_step_of_the_publishers_clock_moves_nothing():
     with inside(SimulatedBase, {
             **KHEPERA, 'enable_odom_tf': False, 'command_timeout': 0.0}) as held:
         def roll(time_ns):
-            message = JointState(name=JOINTS, velocity=[10.0, 10.0])
-            set_stamp(message, time_ns)
-            held.hear('/wheel_rates', message)
+            held.hear('/wheel_rates', wheel_motion(time_ns, velocity=[10.0, 10.0]))
 
         roll(START_NS)
         back = START_NS - 500 * 10**9

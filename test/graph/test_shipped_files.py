@@ -25,7 +25,7 @@ from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from sensor_msgs.msg import JointState
 from std_msgs.msg import String
-from support.graph import CONFIG, twist
+from support.graph import CONFIG, twist, wheel_motion
 from support.stepped import messages
 import yaml
 
@@ -82,15 +82,13 @@ def params(name, *extra):
 
 def heard(graph, joints, condition):
     """Publish joint states that go on until the condition holds, and return its value."""
-    message = JointState(name=['wheel_right_joint', 'wheel_left_joint'])
     position = 0.0
 
     def look():
         nonlocal position
         position += 0.1
-        message.header.stamp = graph.node.get_clock().now().to_msg()
-        message.position = [position, position]
-        joints.publish(message)
+        joints.publish(wheel_motion(graph.now_ns(), [position, position], names=[
+            'wheel_right_joint', 'wheel_left_joint']))
         return condition()
 
     return graph.wait_for(look, 'odometry')

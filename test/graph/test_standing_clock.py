@@ -21,11 +21,10 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from geometry_msgs.msg import Twist
 from nav_msgs.msg import Odometry
 import pytest
-from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
 from rcl_interfaces.srv import SetParameters
-from rosgraph_msgs.msg import Clock
+from rclpy.parameter import Parameter
 from sensor_msgs.msg import JointState
-from support.graph import JOINTS, KHEPERA, stamp_ns, twist, x_of
+from support.graph import JOINTS, KHEPERA, SimulatedTime, stamp_ns, twist, x_of
 
 SIMULATED = {**KHEPERA, 'use_sim_time': True}
 WAITING = 'waiting for /clock, use_sim_time is true'
@@ -39,45 +38,38 @@ if find_spec('nicegui'):
         **KHEPERA, 'port': 0, 'autonomous_cmd_vel_topic': 'planned', 'cmd_vel_topic': 'passed_on'}
 RAMPS = {'linear.x.max_acceleration': 0.5}
 SPEED = 0.2  # [m/s]
+LIMITS = pytest.mark.parametrize('limits', [{}, RAMPS], ids=['at once', 'ramps'])
+EXECUTORS = pytest.mark.parametrize('executor', ['events', 'single_threaded'])
 
 
-class SimulatedTime:
-    """A /clock that goes on while the test waits, until it is stopped."""
+class Controller:
+    """A controller on simulated time, which goes on only where ``time`` is waited for."""
 
-    def __init__(self, graph):
-        self._graph = graph
-        self._publisher = graph.node.create_publisher(Clock, '/clock', 1)
-        self.now_ns = 3600 * 10**9
+    def __init__(self, graph, **parameters):
+        self.process = graph.start('diff_drive_controller', {**SIMULATED, **parameters})
+        self.rates = graph.collect(JointState, 'wheel_rates')
+        self._commands = graph.publisher(Twist, 'cmd_vel')
+        self.time = SimulatedTime(graph)
 
-    def go_on(self):
-        self.now_ns += 10_000_000
-        message = Clock()
-        message.clock.sec, message.clock.nanosec = divmod(self.now_ns, 10**9)
-        self._publisher.publish(message)
+    def command(self, v):
+        """Command a speed; return the one [m/s] that the wheels were told last; None: none."""
+        self._commands.publish(twist(v, 0.0))
+        return self.rates[-1].velocity[0] * 0.021 if self.rates else None
 
-    def wait_for(self, condition, what):
-        def on():
-            self.go_on()
-            return condition()
-        return self._graph.wait_for(on, what)
+    def drive(self, v=SPEED, time=None):
+        """Command a speed until the robot has it, with time going on."""
+        (time or self.time).wait_for(
+            lambda: self.command(v) == pytest.approx(v, rel=1e-9), f'{v} m/s')
 
+    def stopped(self):
+        return not any(self.rates[-1].velocity)
 
-def moving(rates):
-    return [message for message in rates if any(message.velocity)]
+    def moving(self, begin=0):
+        return [message for message in self.rates[begin:] if any(message.velocity)]
 
-
-def drive(graph, time, rates, commands, v):
-    """Drive at a speed, with commands and time going on."""
-    def at_speed():
-        commands.publish(twist(v, 0.0))
-        return rates and rates[-1].velocity[0] == pytest.approx(v / 0.021, rel=1e-9)
-
-    time.wait_for(at_speed, 'the robot to drive')
-
-
-def assert_no_stamp_falls(rates):
-    told = [(stamp_ns(message), *message.velocity) for message in rates]
-    assert [pair for pair in zip(told, told[1:]) if pair[0][0] > pair[1][0]] == []
+    def assert_no_stamp_falls(self):
+        told = [(stamp_ns(message), *message.velocity) for message in self.rates]
+        assert [pair for pair in zip(told, told[1:]) if pair[0][0] > pair[1][0]] == []
 
 
 def test_every_node_says_that_its_clock_has_not_begun_and_hands_on_no_motion(graph):
@@ -113,43 +105,36 @@ def test_every_node_says_that_its_clock_has_not_begun_and_hands_on_no_motion(gra
 
 
 def test_a_command_from_before_the_clock_is_not_obeyed_when_it_begins_but_the_next_one_is(graph):
-    controller = graph.start('diff_drive_controller', {**SIMULATED, 'cmd_vel_timeout': 0.0})
-    rates = graph.collect(JointState, 'wheel_rates')
-    commands = graph.publisher(Twist, 'cmd_vel')
-    commands.publish(twist(SPEED, 0.0))
-    graph.wait_for(lambda: WAITING in controller.output, 'a report')
-    time = SimulatedTime(graph)
-    time.wait_for(lambda: len(rates) > 25, 'rates')
-    assert moving(rates) == []
-    drive(graph, time, rates, commands, SPEED)
+    controller = Controller(graph, cmd_vel_timeout=0.0)
+    controller.command(SPEED)
+    graph.wait_for(lambda: WAITING in controller.process.output, 'a report')
+    controller.time.wait_for(lambda: len(controller.rates) > 25, 'rates')
+    assert controller.moving() == []
+    controller.drive()
 
 
 def test_a_command_to_stand_still_takes_effect_before_the_clock_has_begun(graph):
-    graph.start('diff_drive_controller', SIMULATED)
-    rates = graph.collect(JointState, 'wheel_rates')
-    commands = graph.publisher(Twist, 'cmd_vel')
-    graph.wait_for(lambda: commands.publish(twist(0.0, 0.0)) or rates, 'the stop')
-    assert moving(rates) == []
+    controller = Controller(graph)
+    graph.wait_for(lambda: controller.command(0.0) is not None, 'the stop')
+    assert controller.moving() == []
 
 
-@pytest.mark.parametrize('limits', [{}, RAMPS], ids=['at once', 'ramps'])
+@LIMITS
 def test_where_neither_commands_come_nor_time_goes_on_the_wheels_are_told_to_stand(graph, limits):
-    controller = graph.start('diff_drive_controller', {**SIMULATED, **limits})
     base = graph.start('simulated_base', {**SIMULATED, 'enable_odom_tf': False})
-    rates, odometry = graph.collect(JointState, 'wheel_rates'), graph.collect(Odometry, 'odom')
-    commands = graph.publisher(Twist, 'cmd_vel')
-    time = SimulatedTime(graph)
-    time.wait_for(lambda: commands.publish(twist(SPEED, 0.0)) or (
-        rates and odometry and x_of(odometry) > 0.0), 'the base to hear the controller')
+    odometry, controller = graph.collect(Odometry, 'odom'), Controller(graph, **limits)
+    rates, time = controller.rates, controller.time
+    time.wait_for(lambda: controller.command(SPEED) and odometry and x_of(odometry) > 0.0,
+                  'the base to hear the controller')
     graph.wait_for_rest([rates], [odometry], time.now_ns, time.wait_for)
     began, position = x_of(odometry), rates[-1].position[0]
-    drive(graph, time, rates, commands, SPEED)
-    graph.wait_for(lambda: not any(rates[-1].velocity), 'the stop')
-    graph.wait_for(lambda: '/clock stands at' in controller.output, 'a report')
+    controller.drive()
+    graph.wait_for(controller.stopped, 'the stop')
+    graph.wait_for(lambda: '/clock stands at' in controller.process.output, 'a report')
     last = rates[-1]
     time.wait_for(lambda: stamp_ns(odometry[-1]) > stamp_ns(last) + 200_000_000,
                   'odometry after it')
-    assert_no_stamp_falls(rates)
+    controller.assert_no_stamp_falls()
     assert x_of(odometry) - began == pytest.approx(
         (rates[-1].position[0] - position) * 0.021, abs=1e-9)
     assert 'out of order' not in base.output
@@ -158,40 +143,34 @@ def test_where_neither_commands_come_nor_time_goes_on_the_wheels_are_told_to_sta
 @pytest.mark.parametrize('asked', [0.0, 0.05, -0.1])
 def test_while_time_stands_the_wheels_are_never_faster_than_asked_though_ramps_cannot_go_on(
         graph, asked):
-    graph.start('diff_drive_controller', {**SIMULATED, **RAMPS, 'cmd_vel_timeout': 0.0})
-    rates = graph.collect(JointState, 'wheel_rates')
-    commands = graph.publisher(Twist, 'cmd_vel')
-    time = SimulatedTime(graph)
-    drive(graph, time, rates, commands, SPEED)
-    driven = len(rates)
+    controller = Controller(graph, **RAMPS, cmd_vel_timeout=0.0)
+    controller.drive()
+    rates, driven = controller.rates, len(controller.rates)
 
     def obeyed():
-        commands.publish(twist(asked, 0.0))
-        v = rates[-1].velocity[0] * 0.021
+        v = controller.command(asked)
         return abs(v) <= abs(asked) and v * asked >= 0.0
 
     graph.wait_for(obeyed, 'no more than what is asked')
     still = next(n for n in range(driven, len(rates)) if not any(rates[n].velocity))
     speeds = [message.velocity[0] * 0.021 for message in rates[driven - 1:still]]
-    shown_s = (time.now_ns - stamp_ns(rates[driven - 1])) / 1e9  # what was on its way is shown
+    shown_s = (controller.time.now_ns - stamp_ns(rates[driven - 1])) / 1e9  # what is on its way
     slowest = SPEED - shown_s * RAMPS['linear.x.max_acceleration']
     assert slowest - 1e-9 <= min(speeds) and max(speeds) <= SPEED + 1e-9
-    assert_no_stamp_falls(rates)
-    drive(graph, time, rates, commands, asked)
+    controller.assert_no_stamp_falls()
+    controller.drive(asked)
 
 
-@pytest.mark.parametrize('executor', ['events', 'single_threaded'])
+@EXECUTORS
 def test_a_ramp_on_simulated_time_steps_at_its_own_rate(graph, executor):
-    graph.start('diff_drive_controller', {
-        **SIMULATED, **RAMPS, 'executor': executor, 'cmd_vel_timeout': 0.0, 'publish_rate': 0.01})
-    rates = graph.collect(JointState, 'wheel_rates')
-    commands = graph.publisher(Twist, 'cmd_vel')
-    time, speeds = SimulatedTime(graph), cycle((0.01, 0.02))
+    controller = Controller(
+        graph, **RAMPS, executor=executor, cmd_vel_timeout=0.0, publish_rate=0.01)
+    rates, time, speeds = controller.rates, controller.time, cycle((0.01, 0.02))
     time.wait_for(  # nothing repeats the rates for a reader that comes late
-        lambda: commands.publish(twist(next(speeds), 0.0)) or rates, 'to hear it')
+        lambda: controller.command(next(speeds)) is not None, 'to hear it')
     for v in (SPEED, -SPEED, 0.0):
         before = len(rates)
-        time.wait_for(lambda: commands.publish(twist(v, 0.0)) or rates[before:], 'an answer')
+        time.wait_for(lambda: controller.command(v) is not None and rates[before:], 'an answer')
         time.wait_for(lambda: rates[-1].velocity[0] == pytest.approx(v / 0.021), 'the ramp')
     told = {stamp_ns(message): message.velocity[0] * 0.021 for message in rates}
     speeds = [told[stamp] for stamp in sorted(told)]
@@ -200,59 +179,37 @@ def test_a_ramp_on_simulated_time_steps_at_its_own_rate(graph, executor):
 
 
 def test_while_time_stands_a_live_command_is_obeyed_where_no_ramp_has_to_wait(graph):
-    graph.start('diff_drive_controller', SIMULATED)
-    rates = graph.collect(JointState, 'wheel_rates')
-    commands = graph.publisher(Twist, 'cmd_vel')
-    time = SimulatedTime(graph)
-    drive(graph, time, rates, commands, SPEED)
+    controller = Controller(graph)
+    controller.drive()
     for v in (0.1, -0.3, 0.0):
-        def obeyed(v=v):
-            commands.publish(twist(v, 0.0))
-            return rates[-1].velocity[0] == pytest.approx(v / 0.021, rel=1e-9)
-        graph.wait_for(obeyed, f'{v} m/s')
-    assert_no_stamp_falls(rates)
+        controller.drive(v, time=graph)  # which stands
+    controller.assert_no_stamp_falls()
 
 
-@pytest.mark.parametrize('executor', ['events', 'single_threaded'])
+@EXECUTORS
 def test_a_clock_that_goes_back_to_its_begin_in_mid_drive_leaves_no_wheel_turning(graph, executor):
-    graph.start('diff_drive_controller', {**SIMULATED, **RAMPS, 'executor': executor})
-    rates = graph.collect(JointState, 'wheel_rates')
-    commands = graph.publisher(Twist, 'cmd_vel')
-    time = SimulatedTime(graph)
-    drive(graph, time, rates, commands, SPEED)
-    time.now_ns = -10_000_000
-
-    def stopped():
-        commands.publish(twist(SPEED, 0.0))
-        return not any(rates[-1].velocity)
-
-    time.go_on()
-    graph.wait_for(stopped, 'the stop')
-    drive(graph, time, rates, commands, SPEED)
+    controller = Controller(graph, **RAMPS, executor=executor)
+    controller.drive()
+    controller.time.now_ns = -10_000_000
+    controller.time.go_on()
+    graph.wait_for(lambda: controller.command(SPEED) == 0.0, 'the stop')
+    controller.drive()
 
 
-@pytest.mark.parametrize('limits', [{}, RAMPS], ids=['at once', 'ramps'])
+@LIMITS
 def test_a_controller_that_is_put_on_a_clock_that_has_not_begun_stops_whatever_is_commanded(
         graph, limits):
-    controller = graph.start('diff_drive_controller', {**KHEPERA, **limits})
-    rates = graph.collect(JointState, 'wheel_rates')
-    commands = graph.publisher(Twist, 'cmd_vel')
-
-    def driving():
-        commands.publish(twist(SPEED, 0.0))
-        return rates and any(rates[-1].velocity)
-
-    graph.wait_for(driving, 'the robot to drive')
+    controller = Controller(graph, **limits, use_sim_time=False)
+    graph.wait_for(lambda: controller.command(SPEED), 'the robot to drive')
     graph.call(SetParameters, 'diff_drive_controller/set_parameters', SetParameters.Request(
-        parameters=[Parameter(name='use_sim_time', value=ParameterValue(
-            type=ParameterType.PARAMETER_BOOL, bool_value=True))]))
+        parameters=[Parameter('use_sim_time', value=True).to_parameter_msg()]))
 
     def told():
-        commands.publish(twist(SPEED, 0.0))
-        return WAITING in controller.output
+        controller.command(SPEED)
+        return WAITING in controller.process.output
 
     graph.wait_for(told, 'a report')
-    graph.wait_for(lambda: not any(rates[-1].velocity), 'the stop')
-    heard = len(rates)
-    graph.wait_for(lambda: told() and len(rates) > heard + 5, 'more rates')
-    assert moving(rates[heard:]) == []
+    graph.wait_for(controller.stopped, 'the stop')
+    heard = len(controller.rates)
+    graph.wait_for(lambda: told() and len(controller.rates) > heard + 5, 'more rates')
+    assert controller.moving(heard) == []

@@ -24,13 +24,11 @@ from diffdrive_kinematics.nodes.wheel_noise import WheelNoise
 import numpy as np
 import pytest
 from rclpy.parameter import Parameter
-from sensor_msgs.msg import JointState
-from support.graph import KHEPERA, set_stamp
+from support.graph import KHEPERA, wheel_motion
 from support.inside import inside
 from support.stepped import refusal
 
 PLANAR = np.ix_([0, 1, 5], [0, 1, 5])
-JOINTS = ['left_wheel_joint', 'right_wheel_joint']
 RADIUS, SEPARATION = KHEPERA['wheel_radius'], KHEPERA['wheel_separation']
 GEOMETRY = WheelGeometry(SEPARATION, RADIUS)
 BODY = BodySlip(1e-4, 2e-3, 5e-3)
@@ -44,9 +42,7 @@ def drive(held, topic, rates, steps, period_ns=50_000_000):
     """Let the wheels turn from now on, and the time go on."""
     for _ in range(steps):
         now_ns = held.clock.now_ns()
-        message = JointState(name=JOINTS, velocity=list(rates))
-        set_stamp(message, now_ns)
-        held.hear(topic, message)
+        held.hear(topic, wheel_motion(now_ns, velocity=rates))
         held.advance_to(now_ns + period_ns)
 
 

@@ -14,19 +14,15 @@
 
 """Courses as they appear on cmd_vel."""
 
-import time
-
 from diffdrive_kinematics.nodes.command_sequence import CommandSequence
 from diffdrive_kinematics.ros.parameters.configuration_error import ConfigurationError
 from geometry_msgs.msg import Twist, TwistStamped
 from nav_msgs.msg import Odometry
 import pytest
-import rclpy
-from rclpy.executors import SingleThreadedExecutor
 from rosgraph_msgs.msg import Clock
 from std_msgs.msg import Empty
-from support.graph import DEADLINE_S, DEEP, KHEPERA, stamp_ns
-from support.inside import initialised
+from support.graph import clock_at, DEEP, KHEPERA, stamp_ns
+from support.inside import beside, initialised
 from support.stepped import last, messages, nodes, refusal
 
 pytestmark = pytest.mark.ros
@@ -172,24 +168,16 @@ def test_rounds_that_would_not_be_driven_are_refused(settings):
 
 def test_a_step_back_of_the_time_that_clock_messages_tell_is_no_time_of_the_course():
     """With rclpy's own clock and timers, which are told the time one message after the other."""
-    with initialised({'use_sim_time': True, 'commands': [0.1, 0.0, 2.0], 'publish_rate': 50.0}):
-        node, test = CommandSequence(), rclpy.create_node('test', use_global_arguments=False)
-        executor, said, deadline = SingleThreadedExecutor(), [], time.monotonic() + DEADLINE_S
-        executor.add_node(node)
-        executor.add_node(test)
+    said, now_ns, period_ns, passed = [], 100 * 10**9, 20_000_000, 0
+    with beside(CommandSequence, {
+            'use_sim_time': True, 'commands': [0.1, 0.0, 2.0], 'publish_rate': 50.0}) as (
+                node, test, spin_until):
         test.create_subscription(Twist, 'cmd_vel', said.append, DEEP)
         clock = test.create_publisher(Clock, '/clock', 1)
 
-        def spin_until(condition):
-            while not condition():
-                assert time.monotonic() < deadline
-                executor.spin_once(timeout_sec=0.05)
-
         def tell(time_ns):
             """Say the time until it is heard."""
-            message = Clock()
-            message.clock.sec, message.clock.nanosec = divmod(time_ns, 10**9)
-            spin_until(lambda: clock.publish(message) or (
+            spin_until(lambda: clock.publish(clock_at(time_ns)) or (
                 node.get_clock().now().nanoseconds == time_ns))
 
         def tick(time_ns):
@@ -198,23 +186,17 @@ def test_a_step_back_of_the_time_that_clock_messages_tell_is_no_time_of_the_cour
             tell(time_ns)
             spin_until(lambda: node.health.sent > sent)
 
-        try:
-            now_ns, period_ns, passed = 100 * 10**9, 20_000_000, 0
-            spin_until(lambda: node.count_subscribers('cmd_vel'))
-            tell(now_ns)
-            while not node.begun():
-                tick(now_ns := now_ns + period_ns)
-            begun_ns = round(node.elapsed_s() * 1e9)
-            while not node.done:
-                if passed == 50:
-                    tell(now_ns := now_ns - 50 * 10**9)
-                passed += 1
-                tick(now_ns := now_ns + period_ns)
-            spin_until(lambda: said and said[-1].linear.x == 0.0 and len(said) > 2)
-        finally:
-            executor.shutdown()
-            node.destroy_node()
-            test.destroy_node()
+        spin_until(lambda: node.count_subscribers('cmd_vel'))
+        tell(now_ns)
+        while not node.begun():
+            tick(now_ns := now_ns + period_ns)
+        begun_ns = round(node.elapsed_s() * 1e9)
+        while not node.done:
+            if passed == 50:
+                tell(now_ns := now_ns - 50 * 10**9)
+            passed += 1
+            tick(now_ns := now_ns + period_ns)
+        spin_until(lambda: said and said[-1].linear.x == 0.0 and len(said) > 2)
     assert node.counts['clock steps'] == 1
     assert round(node.elapsed_s() * 1e9) == begun_ns + passed * period_ns
     assert passed == pytest.approx(100, abs=1)  # periods of the two seconds

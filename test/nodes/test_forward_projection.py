@@ -26,7 +26,7 @@ from nav_msgs.msg import Odometry
 import numpy as np
 import pytest
 from sensor_msgs.msg import JointState
-from support.graph import JOINTS, KHEPERA, set_stamp, stamp_ns
+from support.graph import KHEPERA, set_stamp, stamp_ns, wheel_motion
 from support.health import statuses_of, WARN, with_health
 from support.stepped import messages, nodes, tell_wheels
 
@@ -54,9 +54,8 @@ def odometry_at(start, time_ns=7_000_000_001):
 
 def tell(graph):
     """Tell where the robot is and what its wheels do; return the publisher of odometry."""
-    message = JointState(name=JOINTS, velocity=[6.0, 9.0])
-    set_stamp(message, graph.now_ns())
-    graph.publisher(JointState, 'wheel_rates').publish(message)
+    graph.publisher(JointState, 'wheel_rates').publish(
+        wheel_motion(graph.now_ns(), velocity=[6.0, 9.0]))
     return graph.publisher(Odometry, 'odom'), odometry_at(START)
 
 

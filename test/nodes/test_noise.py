@@ -18,8 +18,8 @@ import math
 
 import numpy as np
 import pytest
-from sensor_msgs.msg import JointState
-from support.graph import JOINTS, set_stamp, stamp_ns
+from support.graph import stamp_ns
+from support.stepped import nodes, tell_wheels
 
 pytestmark = pytest.mark.ros
 
@@ -46,14 +46,10 @@ def rates_of(number):
 
 def pass_through(diffdrive, rate, settings=SETTINGS, messages=MESSAGES):
     """Send wheel rates at a rate [Hz] through a noise node; return what comes out."""
-    robot = diffdrive({'/**/diffdrive_sim': {'nodes': ['wheel_noise']}}, params=settings,
-                      clock_step=1.0 / rate)
-    message = JointState(name=JOINTS)
+    robot = diffdrive(nodes('wheel_noise'), params=settings, clock_step=1.0 / rate)
     for rates in [(0.0, 0.0), *map(rates_of, range(messages))]:  # the first one is the baseline
         robot.advance(1.0 / rate)
-        set_stamp(message, round(robot.time * 1e9))
-        message.velocity = list(rates)
-        robot.publish('wheel_rates', message)
+        tell_wheels(robot, velocity=rates)
     outputs = [each.message for each in robot.history('noisy_wheel_rates')]
     robot.close()
     assert len(outputs) == messages + 1

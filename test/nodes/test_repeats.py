@@ -14,16 +14,12 @@
 
 """How often the controller says what: it repeats nothing that it has said just now."""
 
-import time
-
 from diffdrive_kinematics.nodes.diff_drive_controller import DiffDriveController
 from geometry_msgs.msg import Twist
 import pytest
-import rclpy
-from rclpy.executors import SingleThreadedExecutor
 from sensor_msgs.msg import JointState
-from support.graph import DEADLINE_S, DEEP, KHEPERA, stamp_ns, twist
-from support.inside import initialised, inside, START_NS
+from support.graph import DEEP, KHEPERA, stamp_ns, twist
+from support.inside import beside, inside, START_NS
 
 MS = 10**6
 PERIOD = 20 * MS  # of publish_rate 50
@@ -89,30 +85,16 @@ def test_with_timers_of_rclpy_only_gaps_between_commands_are_filled():
     Gaps are those of the stamps: where this process stands still there is a long one, and the
     timer that was late may repeat once more at once.
     """
-    with initialised({**KHEPERA, **CALM}):
-        node, test = DiffDriveController(), rclpy.create_node('test', use_global_arguments=False)
-        executor, said, deadline = SingleThreadedExecutor(), [], time.monotonic() + DEADLINE_S
-        executor.add_node(node)
-        executor.add_node(test)
+    said = []
+    with beside(DiffDriveController, {**KHEPERA, **CALM}) as (_, test, spin_until):
         test.create_subscription(JointState, 'wheel_rates', said.append, DEEP)
         commands = test.create_publisher(Twist, 'cmd_vel', DEEP)
-
-        def spin_until(condition):
-            while not condition():
-                assert time.monotonic() < deadline
-                executor.spin_once(timeout_sec=0.05)
-
-        try:
-            spin_until(lambda: said and commands.get_subscription_count())
-            for n in range(1, 401):
-                commands.publish(twist(0.001 * n, 0.0))
-                rate = 0.001 * (n - 0.5) / KHEPERA['wheel_radius']
-                spin_until(lambda: said[-1].velocity[0] > rate)
-            spin_until(lambda: said[-1].velocity == said[-3].velocity)  # it goes on to be repeated
-        finally:
-            executor.shutdown()
-            node.destroy_node()
-            test.destroy_node()
+        spin_until(lambda: said and commands.get_subscription_count())
+        for n in range(1, 401):
+            commands.publish(twist(0.001 * n, 0.0))
+            rate = 0.001 * (n - 0.5) / KHEPERA['wheel_radius']
+            spin_until(lambda: said[-1].velocity[0] > rate)
+        spin_until(lambda: said[-1].velocity == said[-3].velocity)  # it goes on to be repeated
     new = [n for n in range(1, len(said)) if said[n].velocity != said[n - 1].velocity]
     gaps = [stamp_ns(said[b]) - stamp_ns(said[a]) for a, b in zip(new, new[1:])]
     assert len(new) == 400

@@ -31,9 +31,8 @@ from diffdrive_kinematics.tools.robots import moments_of
 import numpy as np
 import pytest
 from rclpy.parameter import Parameter
-from sensor_msgs.msg import JointState
 from std_srvs.srv import Trigger
-from support.graph import JOINTS, KHEPERA, pose_of, set_stamp
+from support.graph import KHEPERA, pose_of, wheel_motion
 from support.inside import inside
 from support.stepped import refusal
 from support.true_run import driven
@@ -96,9 +95,7 @@ def drive(held, topic, seconds, rates=(4.0, 5.0)):
     """Let the wheels turn from now on, and the time go on."""
     for _ in range(round(10 * seconds)):
         now_ns = held.clock.now_ns()
-        message = JointState(name=JOINTS, velocity=list(rates))
-        set_stamp(message, now_ns)
-        held.hear(topic, message)
+        held.hear(topic, wheel_motion(now_ns, velocity=rates))
         held.advance_to(now_ns + 100_000_000)
 
 
@@ -155,9 +152,8 @@ def test_a_covariance_is_finite_whatever_may_be_set():
             **KHEPERA, **most, **fractions, 'enable_odom_tf': False}) as held:
         for step in range(200):
             time_ns = held.clock.now_ns() + 20_000_000
-            message = JointState(name=JOINTS, velocity=[30.0, 20.0 - 40.0 * (step > 100)])
-            set_stamp(message, time_ns)
-            held.hear('/wheel_rates', message)
+            held.hear('/wheel_rates', wheel_motion(
+                time_ns, velocity=[30.0, 20.0 - 40.0 * (step > 100)]))
             held.advance_to(time_ns)
         odometry = held.said['/odom'][-1]
     assert np.isfinite(odometry.pose.covariance).all()

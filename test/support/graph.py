@@ -32,6 +32,8 @@ from geometry_msgs.msg import Twist, TwistStamped
 import rclpy
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.qos import QoSProfile
+from rosgraph_msgs.msg import Clock
+from sensor_msgs.msg import JointState
 from std_msgs.msg import Empty
 from support.killing import delete_left, kill
 
@@ -241,6 +243,22 @@ class Graph:
         return future.result()
 
 
+class SimulatedTime:
+    """A /clock that goes on while the test waits."""
+
+    def __init__(self, graph, now_ns=3600 * 10**9, step_ns=10_000_000):
+        self._graph, self.now_ns, self._step_ns = graph, now_ns, step_ns
+        self._publisher = graph.node.create_publisher(Clock, '/clock', 1)
+
+    def go_on(self):
+        self.now_ns += self._step_ns
+        self._publisher.publish(clock_at(self.now_ns))
+
+    def wait_for(self, condition, what):
+        """Let time go on until the condition returns something true, and return that."""
+        return self._graph.wait_for(lambda: self.go_on() or condition(), what)
+
+
 def stamp_ns(message):
     """Return the stamp of a message with a header."""
     return message.header.stamp.sec * 10**9 + message.header.stamp.nanosec
@@ -249,6 +267,22 @@ def stamp_ns(message):
 def set_stamp(message, time_ns):
     """Write a stamp [ns] into a message with a header."""
     message.header.stamp.sec, message.header.stamp.nanosec = divmod(time_ns, 10**9)
+
+
+def wheel_motion(time_ns, position=(), velocity=(), *, names=JOINTS, frame_id=''):
+    """Return a JointState."""
+    message = JointState(name=list(names), position=[float(value) for value in position],
+                         velocity=[float(value) for value in velocity])
+    set_stamp(message, time_ns)
+    message.header.frame_id = frame_id
+    return message
+
+
+def clock_at(time_ns):
+    """Return a Clock."""
+    message = Clock()
+    message.clock.sec, message.clock.nanosec = divmod(time_ns, 10**9)
+    return message
 
 
 def pose_of(message):

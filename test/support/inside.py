@@ -26,17 +26,18 @@ from inspect import signature
 import os
 import signal
 import sys
+import time
 
 from diffdrive_kinematics.ros.runtime.clocks import SteppedClock
 from diffdrive_kinematics.ros.runtime.in_flight_messages import InFlightMessages
-from diffdrive_kinematics.ros.runtime.running import run
+from diffdrive_kinematics.ros.runtime.running import make_executor, run
 from diffdrive_kinematics.ros.runtime.signals import SIGNALS
 import rclpy
 from rclpy.logging import LoggingSeverity
 from rclpy.serialization import serialize_message
 from rclpy.signals import SignalHandlerOptions
 from support.domains import own_domain
-from support.graph import arguments
+from support.graph import arguments, DEADLINE_S
 from support.tf import read
 
 START_NS = 1000 * 10**9
@@ -108,6 +109,26 @@ def inside(make, parameters=None, *, name=None, args=None, quiet=False):
         finally:
             logger.set_level(LoggingSeverity.UNSET)  # else it is that of all nodes of the name
             held.node.destroy_node()
+
+
+@contextmanager
+def beside(make, parameters, executor='single_threaded'):
+    """Yield a node on rclpy's clock and timers, the test's, and what spins both until it holds."""
+    with initialised(parameters):
+        node, test = make(), rclpy.create_node('test', use_global_arguments=False)
+        spinning, deadline = make_executor([node, test], executor), time.monotonic() + DEADLINE_S
+
+        def spin_until(condition):
+            while not condition():
+                assert time.monotonic() < deadline
+                spinning.spin_once(timeout_sec=0.05)
+
+        try:
+            yield node, test, spin_until
+        finally:
+            spinning.shutdown()
+            node.destroy_node()
+            test.destroy_node()
 
 
 def status_of(start, args):

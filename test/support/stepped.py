@@ -16,8 +16,7 @@
 
 from diffdrive_kinematics.ros.parameters.configuration_error import ConfigurationError
 import pytest
-from sensor_msgs.msg import JointState
-from support.graph import JOINTS, set_stamp
+from support.graph import wheel_motion
 
 __all__ = ['last', 'messages', 'nodes', 'refusal', 'tell_wheels', 'time_ns']
 
@@ -50,12 +49,7 @@ def time_ns(robot):
     return round(robot.time * 1e9)
 
 
-def tell_wheels(
-        robot, position=(), velocity=(), *, names=JOINTS, topic='wheel_rates', at_ns=None,
-        frame_id=''):
+def tell_wheels(robot, *motion, topic='wheel_rates', at_ns=None, **options):
     """Say what the wheels do, at this time or with another stamp."""
-    message = JointState(name=list(names), position=[float(value) for value in position],
-                         velocity=[float(value) for value in velocity])
-    set_stamp(message, time_ns(robot) if at_ns is None else at_ns)
-    message.header.frame_id = frame_id
-    robot.publish(topic, message)
+    robot.publish(topic, wheel_motion(
+        time_ns(robot) if at_ns is None else at_ns, *motion, **options))

@@ -20,8 +20,7 @@ from diffdrive_kinematics.core.odometry import Mismatch
 from diffdrive_kinematics.nodes.simulated_base import SimulatedBase
 from diffdrive_kinematics.ros.inputs.driver_watch import clock_text, velocity_text
 import pytest
-from sensor_msgs.msg import JointState
-from support.graph import JOINTS, KHEPERA, set_stamp
+from support.graph import KHEPERA, wheel_motion
 from support.health import statuses_of, WARN, with_health
 from support.inside import inside, START_NS
 from support.stepped import last, nodes, tell_wheels, time_ns
@@ -103,9 +102,7 @@ def test_positions_alone_ten_times_a_second_are_published_as_of_the_stamp():
             now_ns = START_NS + number * 50_000_000
             held.advance_to(now_ns)
             if number % 2 == 0:
-                message = JointState(name=JOINTS, position=[RATE * number * 0.05] * 2)
-                set_stamp(message, now_ns)
-                held.hear('/wheel_rates', message)
+                held.hear('/wheel_rates', wheel_motion(now_ns, [RATE * number * 0.05] * 2))
             reading = held.node.reading()
             if number > 10:
                 assert reading.pose.x == pytest.approx(RATE * RADIUS * number * 0.05, abs=1e-9)
@@ -119,9 +116,7 @@ def test_a_counter_that_wraps_is_a_jump_for_a_base_that_nobody_set_up():
             now_ns = START_NS + number * 20_000_000
             held.advance_to(now_ns)
             count = (number * 100 + 32768) % 65536 - 32768
-            message = JointState(name=JOINTS, position=[count * tick] * 2)
-            set_stamp(message, now_ns)
-            held.hear('/wheel_rates', message)
+            held.hear('/wheel_rates', wheel_motion(now_ns, [count * tick] * 2))
         assert held.node.counts['jump'] == 1
         assert held.node.reading().angles[0] == pytest.approx(399 * 100 * tick, abs=1e-6)
 

@@ -24,7 +24,7 @@ import pytest
 import rclpy
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState
-from support.graph import DEEP, JOINTS, KHEPERA, set_stamp, twist, x_of
+from support.graph import clock_at, DEEP, JOINTS, KHEPERA, wheel_motion, x_of
 from support.health import OK, statuses_of, WARN, with_health
 from support.stepped import messages, nodes, tell_wheels
 
@@ -83,8 +83,9 @@ class Driver:
             self.robot.advance(STEP_S)
             self._step += 1
             rate = STEP / STEP_S if self._step > REST else 0.0
-            tell_wheels(self.robot, [angle_after(self._step)] * 2, [rate] * 2 if self._velocity else (),
-                        frame_id=self._frame_id)
+            tell_wheels(
+                self.robot, [angle_after(self._step)] * 2, [rate] * 2 if self._velocity else (),
+                frame_id=self._frame_id)
 
     def output(self):
         self._output += self._capfd.readouterr().err
@@ -171,9 +172,7 @@ def test_in_real_processes_they_are_told_apart_as_well(graph, use_sim_time):
     start_ns, step, places = graph.now_ns(), 0, []
 
     def say(publisher, angle):
-        message = JointState(name=JOINTS, position=[angle, angle])
-        set_stamp(message, start_ns + step * STEP_NS)
-        publisher.publish(message)
+        publisher.publish(wheel_motion(start_ns + step * STEP_NS, [angle, angle]))
 
     def driven():
         """Let both go on in real time; return the ways [m] told and gone in 3 s each."""
@@ -183,9 +182,7 @@ def test_in_real_processes_they_are_told_apart_as_well(graph, use_sim_time):
             say(driver, angle_after(step))
             if step % 5 == 0:
                 say(zeros, 0.0)
-        message = Clock()
-        message.clock.sec, message.clock.nanosec = divmod(graph.now_ns(), 10**9)
-        clock.publish(message)
+        clock.publish(clock_at(graph.now_ns()))
         if odometry and step >= 150 * len(places) + 2 * REST:
             places.append((RADIUS * angle_after(step), x_of(odometry)))
         return [(told - told_before, x - x_before)

@@ -24,7 +24,7 @@ import pytest
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Empty
-from support.graph import arguments, CONFIG, JOINTS, KHEPERA, set_stamp, twist
+from support.graph import arguments, CONFIG, KHEPERA, twist, wheel_motion
 from support.inside import initialised
 
 BEST_EFFORT = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
@@ -91,9 +91,7 @@ def test_a_base_hears_a_best_effort_driver_where_the_yaml_says_so(graph, tmp_pat
 
     def driving():
         position = float(next(angle))
-        message = JointState(name=JOINTS, position=[position, position])
-        set_stamp(message, graph.now_ns())
-        driver.publish(message)
+        driver.publish(wheel_motion(graph.now_ns(), [position, position]))
         return odometry and odometry[-1].pose.pose.position.x > 0.0
 
     graph.wait_for(driving, 'motion')

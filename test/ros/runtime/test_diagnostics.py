@@ -15,7 +15,6 @@
 
 import math
 
-from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from diffdrive_kinematics.nodes.simulated_base import SimulatedBase
 from diffdrive_kinematics.nodes.wheel_noise import WheelNoise
@@ -23,8 +22,7 @@ from diffdrive_kinematics.ros.runtime.diagnostics import (
     MessageStatistics, Problem, RateSample, Reporter, Status)
 import pytest
 from rosgraph_msgs.msg import Clock
-from sensor_msgs.msg import JointState
-from support.graph import CONFIG, JOINTS, KHEPERA, set_stamp, stamp_ns, twist
+from support.graph import clock_at, CONFIG, KHEPERA, stamp_ns, twist, wheel_motion
 from support.health import ERROR, OK, statuses_of, WARN, with_health
 from support.inside import inside, START_NS
 from support.stepped import last, nodes, tell_wheels, time_ns
@@ -195,11 +193,11 @@ def test_the_skew_of_stamps_is_kept_with_its_sign_and_its_largest():
 
 def test_ages_and_rates_are_those_of_before_where_the_clock_was_stepped():
     with inside(SimulatedBase, {**KHEPERA, 'enable_odom_tf': False}) as held:
-        held.hear('/wheel_rates', JointState(name=JOINTS, velocity=[1.0, 1.0]))
+        held.hear('/wheel_rates', wheel_motion(0, velocity=[1.0, 1.0]))
         held.advance_to(START_NS + 700_000_000)
         back = START_NS - 500 * 10**9
         held.clock.advance_to(back)
-        held.hear('/wheel_rates', JointState(name=['arm'], velocity=[1.0]))  # not ours: no news
+        held.hear('/wheel_rates', wheel_motion(0, velocity=[1.0], names=['arm']))  # no news
         status = held.node.status(RateSample(back))
         assert status.values['age of the last wheel motion [s]'] == 0.7
         assert [trouble.level for trouble in status.problems] == [WARN]
@@ -215,9 +213,7 @@ def test_ages_and_rates_are_those_of_before_where_the_clock_was_stepped():
 def test_wheels_that_fell_silent_are_well_at_rest_and_a_warning_where_they_turned(
         make, topic, rate, level):
     with inside(make, {**KHEPERA, 'enable_odom_tf': False}) as held:
-        message = JointState(name=JOINTS, velocity=[rate, rate])
-        set_stamp(message, START_NS)
-        held.hear(topic, message)
+        held.hear(topic, wheel_motion(START_NS, velocity=[rate, rate]))
         later = START_NS + 3600 * 10**9
         held.advance_to(later)
         (trouble,) = held.node.status(RateSample(later)).problems
@@ -251,7 +247,7 @@ def test_reports_come_though_simulated_time_stands_and_on_the_clock_it_shows(gra
     graph.wait_for(lambda: len(arrays) > 3, 'diagnostics')
     clock = graph.publisher(Clock, '/clock')
     graph.wait_for(  # again, as whoever listens to a clock may lose a message
-        lambda: clock.publish(Clock(clock=Time(sec=7))) or stamp_ns(arrays[-1]) == 7 * 10**9,
+        lambda: clock.publish(clock_at(7 * 10**9)) or stamp_ns(arrays[-1]) == 7 * 10**9,
         'diagnostics on the new time')
     (status,) = graph.wait_for(
         lambda: [status for status in arrays[-1].status if '/clock stands at' in status.message],

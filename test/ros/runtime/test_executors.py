@@ -14,68 +14,32 @@
 
 """Executors: that of the package by parameter, those of other people, and a loop that sleeps."""
 
-from contextlib import contextmanager
 from itertools import cycle
 import time
 
 from diffdrive_kinematics.nodes.simulated_base import SimulatedBase
-from diffdrive_kinematics.ros.runtime.running import make_executor
 from geometry_msgs.msg import PoseWithCovarianceStamped, Twist
 from nav_msgs.msg import Odometry
 import pytest
-import rclpy
 from sensor_msgs.msg import JointState
 from std_srvs.srv import Trigger
-from support.graph import JOINTS, KHEPERA, set_stamp, stamp_ns, twist
-from support.inside import initialised
+from support.graph import KHEPERA, stamp_ns, twist, wheel_motion, x_of
+from support.inside import beside
 from support.once import obeyed_once
 
 TRIES = 3
-DEADLINE_S = 60.0
-
-
-def wheel_rates(stamp, left, right):
-    message = JointState(name=JOINTS, velocity=[left, right])
-    set_stamp(message, stamp)
-    return message
-
-
-def wait_for(condition, turn):
-    deadline = time.monotonic() + DEADLINE_S
-    while not condition():
-        assert time.monotonic() < deadline
-        turn()
-
-
-@contextmanager
-def base_in_this_process(parameters):
-    """Yield a base without timers of its own, and a publisher of wheel rates that it hears."""
-    with initialised({**KHEPERA, 'enable_odom_tf': False, **parameters}):
-        base, other = SimulatedBase(), rclpy.create_node(
-            'other', start_parameter_services=False)
-        publisher = other.create_publisher(JointState, 'wheel_rates', 100)
-        wait_for(publisher.get_subscription_count, lambda: None)
-        yield base, other, publisher
-        base.destroy_node()
-        other.destroy_node()
 
 
 @pytest.mark.parametrize('kind', ['single_threaded', 'auto'])
 def test_a_base_works_in_an_executor_that_knows_nothing_of_its_timers(kind):
-    with base_in_this_process({'command_timeout': 0.0}) as (base, other, publisher):
-        odometry = []
-        listener = make_executor([other], kind)
-        other.create_subscription(Odometry, 'odom', odometry.append, 10)
-        executor = make_executor([base], kind)
-
-        def turn():
-            executor.spin_once(timeout_sec=0.01)
-            listener.spin_once(timeout_sec=0.01)
-
-        publisher.publish(wheel_rates(time.time_ns(), 1.0, 1.0))
-        wait_for(lambda: odometry and odometry[-1].pose.pose.position.x > 0.001, turn)
-        for each in (executor, listener):
-            each.shutdown()
+    odometry = []
+    with beside(SimulatedBase, {**KHEPERA, 'enable_odom_tf': False, 'command_timeout': 0.0},
+                kind) as (_, test, spin_until):
+        test.create_subscription(Odometry, 'odom', odometry.append, 10)
+        wheels = test.create_publisher(JointState, 'wheel_rates', 100)
+        spin_until(wheels.get_subscription_count)
+        wheels.publish(wheel_motion(time.time_ns(), velocity=[1.0, 1.0]))
+        spin_until(lambda: odometry and x_of(odometry) > 0.001)
 
 
 @pytest.mark.parametrize('executor', ['single_threaded', 'events', 'auto'])
@@ -148,7 +112,8 @@ def test_a_base_that_sleeps_between_its_ticks_is_there_for_whoever_asks(graph):
     graph.start('simulated_base', {
         **KHEPERA, 'enable_odom_tf': False, 'publish_rate': 200.0, 'command_timeout': 0.0})
     odometry = graph.collect(Odometry, 'odom')
-    graph.publisher(JointState, 'wheel_rates').publish(wheel_rates(graph.now_ns(), 1.0, 1.0))
+    graph.publisher(JointState, 'wheel_rates').publish(
+        wheel_motion(graph.now_ns(), velocity=[1.0, 1.0]))
     poses = graph.publisher(PoseWithCovarianceStamped, 'set_pose')
     graph.wait_for(lambda: odometry, 'odometry')
     for number in range(1, 8):

@@ -26,7 +26,7 @@ import pytest
 import rclpy
 from rclpy.parameter import Parameter
 from sensor_msgs.msg import JointState
-from support.graph import JOINTS, KHEPERA, set_stamp
+from support.graph import KHEPERA, wheel_motion
 from support.inside import initialised
 
 pytestmark = pytest.mark.ros
@@ -49,9 +49,7 @@ class Base:
         self.spin_until(lambda: self._publisher.get_subscription_count() == 2, 'the listeners')
 
     def publish(self, left, right, stamp_ns=0):
-        message = JointState(name=JOINTS, velocity=[left, right])
-        set_stamp(message, stamp_ns)
-        self._publisher.publish(message)
+        self._publisher.publish(wheel_motion(stamp_ns, velocity=[left, right]))
 
     def spin_until(self, condition, what):
         deadline = time.monotonic() + DEADLINE_S
