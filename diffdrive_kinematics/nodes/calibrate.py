@@ -23,7 +23,7 @@ from typing import Any, List, Mapping, NamedTuple, Optional
 from diffdrive_kinematics.core.kinematics import WheelGeometry
 from diffdrive_kinematics.ros.inputs.wheel_watch import WheelWatch
 from diffdrive_kinematics.ros.messages.wheel_messages import WheelReader
-from diffdrive_kinematics.ros.parameters.configuration_error import ConfigurationError
+from diffdrive_kinematics.ros.parameters.configuration_error import refusing
 from diffdrive_kinematics.ros.parameters.from_values import check_sides, wheel_geometry
 from diffdrive_kinematics.ros.parameters.tables import CALIBRATE
 from diffdrive_kinematics.ros.runtime.clocks import SteadyTimers
@@ -201,6 +201,7 @@ def conclude(
     return written
 
 
+@refusing()
 def work(stop: Stop) -> int:
     """Calibrate; return the exit status."""
     node = Calibrate(stop=stop, timers=(timers := SteadyTimers()))
@@ -216,8 +217,6 @@ def work(stop: Stop) -> int:
     except Interrupted as interrupted:
         report(INTERRUPTED)
         return interrupted.status
-    except ValueError as error:
-        raise ConfigurationError(str(error)) from error
     finally:
         node.destroy_node()
 

@@ -22,7 +22,7 @@ from diffdrive_kinematics.core.kinematics import Command, Pose, WheelGeometry
 from diffdrive_kinematics.core.noise import (
     BodySlip, heading_moments, PoseMoments, propagated_moments, reachable_set_from_slip,
     sample_heading, sample_paths, travel_of_command, unit_bound, WheelSlip)
-from diffdrive_kinematics.ros.parameters.configuration_error import ConfigurationError
+from diffdrive_kinematics.ros.parameters.configuration_error import refusing
 from diffdrive_kinematics.ros.parameters.from_values import body_slip, commands_from, wheel_slips
 from diffdrive_kinematics.ros.parameters.package_share import with_params_file
 from diffdrive_kinematics.ros.parameters.tables import PLOT_PATHS
@@ -132,6 +132,7 @@ class PlotPaths(DiffDriveNode[Union[Config, ModelConfig]]):
         super().__init__(name, PLOT_PATHS, build, **composition)
 
 
+@refusing()
 def work(_: Stop) -> int:
     """Draw the picture; return the exit status."""
     node = PlotPaths()
@@ -144,9 +145,7 @@ def work(_: Stop) -> int:
         picture = drawn(pictures, file.rpartition('.')[2])
         write_files({file: picture}, overwrite=overwrite)
     except ImportError as error:
-        raise ConfigurationError(f'plot_paths needs {MISSING} ({error})') from error
-    except ValueError as error:
-        raise ConfigurationError(str(error)) from error
+        raise ValueError(f'plot_paths needs {MISSING} ({error})') from error
     finally:
         node.destroy_node()
     report(file)
