@@ -26,10 +26,10 @@ import sys
 
 from diffdrive_kinematics.ros.runtime.signals import answer_signals
 
-NAMES = (
+__all__ = [
     'calibrate', 'command_sequence', 'diff_drive_controller', 'diffdrive_sim',
     'forward_projection', 'goal_steering', 'plot_paths', 'robot_description', 'simulated_base',
-    'teleop', 'web_view', 'wheel_noise', 'wheel_odometry')
+    'teleop', 'web_view', 'wheel_noise', 'wheel_odometry']
 
 
 def _start(name: str) -> None:
@@ -43,4 +43,16 @@ def _start(name: str) -> None:
     module.main()
 
 
-globals().update({name: partial(_start, name) for name in NAMES})
+calibrate = partial(_start, 'calibrate')
+command_sequence = partial(_start, 'command_sequence')
+diff_drive_controller = partial(_start, 'diff_drive_controller')
+diffdrive_sim = partial(_start, 'diffdrive_sim')
+forward_projection = partial(_start, 'forward_projection')
+goal_steering = partial(_start, 'goal_steering')
+plot_paths = partial(_start, 'plot_paths')
+robot_description = partial(_start, 'robot_description')
+simulated_base = partial(_start, 'simulated_base')
+teleop = partial(_start, 'teleop')
+web_view = partial(_start, 'web_view')
+wheel_noise = partial(_start, 'wheel_noise')
+wheel_odometry = partial(_start, 'wheel_odometry')
