@@ -14,7 +14,6 @@
 
 """Time of a robot under test: it moves on when all who take part have handled the last step."""
 
-from itertools import chain, repeat
 import time
 from typing import Any, Callable, Dict, List, Optional
 
@@ -33,7 +32,7 @@ DEADLINE_S = REST_S = 20.0
 ARRIVAL_S = 60.0
 POLL_S = 0.02
 REST_POLL_S = 0.00005
-SOON, LATER = 0.7, 1.1  # parts of the time that it usually takes
+SOONER, LATER = 0.95, 1.1  # than last time, where the first look was not in vain, or was
 COME_TO_REST = 'come to rest (one whose thread always works needs restless=True)'
 REPEAT_S = 0.5
 SILENCE_S = 0.003
@@ -60,7 +59,7 @@ class Stepping:
         self.processes: List[Process] = []
         self._publisher = self._observer.create_publisher(Clock, '/clock', reliable(10))
         self._acknowledgements = Acknowledgements(self._observer)
-        self._usual_s: Dict[str, float] = {}
+        self._first_look_s: Dict[str, float] = {}
         self._rest = Rest(self._executor)
 
     def step(self, *, tell: bool = True, wait_for: Optional[str] = None) -> None:
@@ -129,17 +128,20 @@ class Stepping:
     def _watch(
             self, watched: List[Process], done: Callable[[List[Threads]], bool],
             moment: str) -> None:
-        """Look until they are done, first when they have been done soonest of late."""
+        """Look until they are done, first when they have mostly been done of late."""
         threads = [each.threads for each in watched]
         if not threads:
             return
-        began, usual_s = time.monotonic(), self._usual_s.get(moment, REST_POLL_S)
-        pauses = chain([SOON * usual_s], repeat(REST_POLL_S))
-        self.wait(lambda: done(threads), COME_TO_REST, watched, timeout=REST_S,
-                  pause=lambda: time.sleep(next(pauses)),
+        first_s, pauses = self._first_look_s.get(moment, REST_POLL_S), 0
+
+        def pause() -> None:
+            nonlocal pauses
+            time.sleep(REST_POLL_S if pauses else first_s)
+            pauses += 1
+
+        self.wait(lambda: done(threads), COME_TO_REST, watched, timeout=REST_S, pause=pause,
                   suspects=lambda: sleepless(watched))
-        self._usual_s[moment] = max(
-            REST_POLL_S, min(time.monotonic() - began, LATER * usual_s))
+        self._first_look_s[moment] = max(REST_POLL_S, first_s * (LATER if pauses > 1 else SOONER))
 
     def deliver(self) -> None:
         """Let every message between the robot's nodes be handled, and all that these cause."""
