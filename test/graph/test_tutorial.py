@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The tutorial without ROS tools: its commands run as they are written, and say what it says."""
+"""The tutorials for newcomers: their commands run as they are written, and say what they say."""
 
 import csv
 from pathlib import Path
@@ -26,15 +26,16 @@ from diffdrive_kinematics.ros.parameters.package_share import share_directory
 import pytest
 
 ROOT = Path(__file__).parents[2]
-PAGE = (ROOT / 'docs' / 'tutorial' / 'without_ros_tools.md').read_text(encoding='utf-8')
+FIRST, PAGE = ((ROOT / 'docs' / 'tutorial' / f'{name}.md').read_text(encoding='utf-8')
+               for name in ('first_robot', 'without_ros_tools'))
 ADDED = {  # to the commands with these files
     'config/web.yaml': ['-p', 'web_view:port:=0'],  # a free one: another test may have the usual
     'config/recording.yaml': ['-p', 'real_time_factor:=0.0']}  # not in the time that it took
 
 
-def blocks(language):
-    """Return the blocks of the page in a language, in order."""
-    found = re.findall(rf'^```{language}\n(.*?)^```$', PAGE, re.M | re.S)
+def blocks(language, page=PAGE):
+    """Return the blocks of a page in a language, in order."""
+    found = re.findall(rf'^```{language}\n(.*?)^```$', page, re.M | re.S)
     return [block.replace('\\\n', ' ') for block in found]
 
 
@@ -79,6 +80,25 @@ def told(directory, said):
     assert all(f'`{column}`' in PAGE for column in columns)
     measured = [float(each) for each in re.findall(r'E_max,syst \[mm\] +(\S+)', said)]
     assert measured[0] > 150.0 and measured[1] < measured[0] / 10.0
+
+
+def test_a_first_robot_drives_as_its_tutorial_says(graph, tmp_path):
+    _, demo, plain, *compensated = blocks('bash', FIRST)
+    robot, composed, awaited, noise = blocks('yaml', FIRST)
+    noisy = re.sub(r'^    nodes: .*\n', composed, robot, flags=re.M)
+    noisy = re.sub(r'^    wait_for_topics: .*\n', awaited, noisy, flags=re.M) + noise
+    files = robot, robot, noisy, noisy, noisy
+    for command, file, shown in zip(
+            (demo, plain, plain, *compensated), files, blocks('text', FIRST), strict=True):
+        (tmp_path / 'first_robot.yaml').write_text(file, encoding='utf-8')
+        _, *args = shlex.split(command)
+        process = graph.start(
+            'diffdrive_sim', args=[*(args or ['--ros-args']), '-p', 'real_time_factor:=0.0'],
+            cwd=tmp_path)
+        assert process.wait() == 0, process.output
+        said = [each.split() for each in process.output.splitlines()]
+        for line in shown.splitlines():
+            assert line.split() in said, process.output
 
 
 def test_the_pictures_of_the_readme_are_there():
