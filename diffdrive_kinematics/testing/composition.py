@@ -14,11 +14,14 @@
 
 """Which nodes a robot under test is made of, and their parameters."""
 
+from os import fspath, PathLike
 from pathlib import Path
-from typing import Any, Dict, Mapping, NamedTuple, Tuple, Union
+from typing import Any, Collection, Dict, Iterator, Mapping, NamedTuple, Tuple, Union
 
 from diffdrive_kinematics.nodes.diffdrive_sim import CLASSES
 from diffdrive_kinematics.ros.parameters.from_values import Member, members_of
+from diffdrive_kinematics.ros.parameters.tables import KNOWN_NAMES, TABLES
+from diffdrive_kinematics.ros.parameters.unknown_names import is_understood, resembling
 from diffdrive_kinematics.testing.checks import check_number, refuse
 import yaml
 
@@ -63,12 +66,12 @@ def composition(
     Raises
     ------
     ValueError
-        If a file has no nodes to compose, the step is not above 0, or something is no mapping.
+        If a file has no nodes to compose, the step is not above 0, something is no mapping, or
+        ``params`` or ``noise`` has a name that no node of this package knows.
 
     """
-    for name, given in (('params', params), ('noise', noise)):
-        if not isinstance(given, Mapping):
-            refuse(name, given, 'a mapping of parameters')
+    _check_names('params', params, KNOWN_NAMES, 'a node of this package')
+    _check_names('noise', noise, {entry.name for entry in TABLES['wheel_noise']}, 'wheel_noise')
     sections = _read(config)
     values = {'nodes': NODES if config is None else [], 'clock_step': CLOCK_STEP_S}
     for name, section in sections.items():
@@ -78,6 +81,9 @@ def composition(
         values['clock_step'] = clock_step
     step = check_number(
         'clock_step', values['clock_step'], 'from 1e-9 to 1e9 s', least=1e-9, most=1e9)
+    if isinstance(values['nodes'], str) or not all(
+            isinstance(each, str) for each in values['nodes']):
+        refuse('nodes', values['nodes'], 'a list of names')
     sections.setdefault('/**', {}).update(params)
     for member in (members := members_of(values['nodes'], CLASSES)):
         if member.kind == 'wheel_noise' and noise:
@@ -86,7 +92,7 @@ def composition(
         raise ValueError(f'noise is {dict(noise)!r}, expected a wheel_noise among the nodes')
     ordered = {'/**': sections.pop('/**'), **sections}  # a later one would beat the others
     return Composition(members, round(step * 1e9), yaml.dump(
-        {name: {PARAMETERS: section} for name, section in ordered.items() if section},
+        {name: {PARAMETERS: _plain(section)} for name, section in ordered.items() if section},
         Dumper=_WithoutAliases, sort_keys=False))
 
 
@@ -94,13 +100,70 @@ def _read(config: Union[str, Path, Sections, None]) -> Dict[str, Dict[str, Any]]
     """Return the parameters of each section."""
     if config is None:
         return {name: dict(section) for name, section in DEFAULT.items()}
+    sections: Any = config
     if isinstance(config, (str, Path)):
-        config = yaml.safe_load(Path(config).read_text(encoding='utf-8'))
-    if not isinstance(config, Mapping) or not all(
-            isinstance(section, Mapping) for section in config.values()):
+        config = str(config)
+        try:
+            sections = yaml.safe_load(Path(config).read_text(encoding='utf-8'))
+        except (UnicodeDecodeError, yaml.YAMLError) as error:
+            refuse('config', config, f'a file of YAML: {error}')
+    if not isinstance(sections, Mapping) or not all(
+            isinstance(section, Mapping) for section in sections.values()):
         refuse('config', config, 'a file of, or a mapping of names of nodes to parameters')
-    return {name: dict(section.get(PARAMETERS, section) or {})
-            for name, section in config.items()}
+    return dict(_flat(sections))
+
+
+def _flat(
+        sections: Mapping[Any, Any], namespace: str = '') -> Iterator[Tuple[str, Dict[str, Any]]]:
+    """Yield each section by its full name, and its parameters; one may stand in its namespaces."""
+    for key, section in sections.items():
+        name = f'{namespace}/{key}' if namespace else key
+        if not isinstance(section, Mapping):
+            refuse(name, section, 'a mapping of parameters')
+        if PARAMETERS not in section and _has_parameters(section):
+            yield from _flat(section, name)
+        else:
+            yield name, dict(section.get(PARAMETERS, section) or {})
+
+
+def _has_parameters(section: Any) -> bool:
+    return isinstance(section, Mapping) and (
+        PARAMETERS in section or any(map(_has_parameters, section.values())))
+
+
+def _check_names(argument: str, values: Any, known: Collection[str], node: str) -> None:
+    """Refuse parameters that nobody knows: the warning of a node is not seen in a test."""
+    if not isinstance(values, Mapping):
+        refuse(argument, values, 'a mapping of parameters')
+    for name in _names(values):
+        if not is_understood(name, known):
+            raise ValueError(f'{argument} has {name!r}, expected a parameter of {node}'
+                             f'{resembling(name, known)}')
+
+
+def _names(values: Mapping[Any, Any]) -> Iterator[Any]:
+    """Return the names of parameters, also of those that are written by their parts."""
+    for name, value in values.items():
+        if isinstance(value, Mapping):
+            yield from (f'{name}.{part}' for part in _names(value))
+        else:
+            yield name
+
+
+def _plain(value: Any, name: str = '') -> Any:
+    """Return a value as a params file can hold it, or raise ``ValueError``."""
+    if isinstance(value, Mapping):
+        return {key: _plain(each, f'{name}.{key}' if name else key)
+                for key, each in value.items()}
+    if isinstance(value, PathLike):
+        return fspath(value)
+    if hasattr(value, 'tolist'):  # of numpy
+        value = value.tolist()
+    if isinstance(value, (list, tuple)):
+        return [_plain(each, name) for each in value]
+    if value is not None and type(value) not in (bool, int, float, str):
+        refuse(name, value, 'a number, a text, true or false, or a list of them')
+    return value
 
 
 class _WithoutAliases(yaml.SafeDumper):

@@ -194,8 +194,8 @@ def test_geometry_can_be_changed_at_run_time_and_integers_are_accepted_for_doubl
 
 @pytest.mark.ros
 def test_a_typo_in_the_yaml_is_reported_with_what_was_meant(diffdrive, capfd):
-    diffdrive(nodes(CONTROLLER), params={
-        **KHEPERA, 'wheel_seperation_multiplier': 1.1, 'open_loop': True, 'seed': 3})
+    diffdrive(nodes(CONTROLLER, diff_drive_controller={
+        **KHEPERA, 'wheel_seperation_multiplier': 1.1, 'open_loop': True, 'seed': 3}))
     output = capfd.readouterr().err
     assert "'wheel_seperation_multiplier' is ignored" in output
     assert "did you mean 'wheel_separation_multiplier'" in output

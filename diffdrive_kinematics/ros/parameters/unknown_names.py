@@ -52,6 +52,22 @@ def aliased(given: Mapping[str, Any], known: Collection[str]) -> Dict[str, str]:
             if older in given and name in known and name not in given}
 
 
+def is_understood(name: Any, known: Collection[str]) -> bool:
+    """Return whether a parameter has an effect in a node that knows some, or none on purpose."""
+    return isinstance(name, str) and (
+        name in known or name in BUILT_IN or name in ALIASES or name in MEANS_NOTHING
+        or name.startswith(QOS_PREFIX))
+
+
+def resembling(name: Any, known: Collection[str]) -> str:
+    """Return the end of a sentence about a name that nobody knows: which one it may be."""
+    if name in RIGHT_NAMES:
+        return f', the name here is {RIGHT_NAMES[name][1]}'
+    import difflib  # for the typo only: it takes milliseconds of every start
+    near = difflib.get_close_matches(str(name), sorted(known), n=1)
+    return f", did you mean '{near[0]}'?" if near else ''
+
+
 def report_unknown(node: Any, given: Collection[str], known: Collection[str]) -> None:
     """
     Report names that nobody here knows, each once in a process.
@@ -85,9 +101,7 @@ def report_unknown(node: Any, given: Collection[str], known: Collection[str]) ->
             package, right = RIGHT_NAMES[name]
             text = f'of {package} is ignored, the name here is {right}'
         else:
-            import difflib  # for the typo only: it takes milliseconds of every start
-            near = difflib.get_close_matches(name, sorted(KNOWN_NAMES), n=1)
-            hint = f", did you mean '{near[0]}'?" if near else ''
+            hint = resembling(name, KNOWN_NAMES)
             text = f'is ignored: no node of this package knows it{hint}'
         if not is_new(node, name):
             continue
