@@ -14,15 +14,22 @@
 
 """Arguments of a test that cannot be are refused: what, its value, and what was expected."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 import math
 from numbers import Real
-from os import PathLike
+from os import fspath, PathLike
 import sys
-from typing import Any, List, NoReturn
+from typing import Any, Dict, List, NoReturn
+
+from rclpy.exceptions import NameValidationException
+from rclpy.expand_topic_name import expand_topic_name
+from rclpy.validate_full_topic_name import validate_full_topic_name
 
 __all__ = [
-    'check_command', 'check_condition', 'check_number', 'check_type', 'refuse', 'whole_steps']
+    'check_command', 'check_condition', 'check_environment', 'check_name', 'check_number',
+    'check_type', 'refuse', 'whole_steps']
+
+NAME = "a name of ROS: letters, digits, '_' and '/', of less than 248 characters"
 
 
 def refuse(name: str, value: Any, expected: str) -> NoReturn:
@@ -62,6 +69,28 @@ def check_command(command: Any) -> List[str]:
             not command):
         refuse('command', command, "a list of words, as [sys.executable, 'my_node.py']")
     return [str(part) for part in command]
+
+
+def check_environment(environment: Any) -> Dict[str, str]:
+    """Return variables of a process, or raise ``ValueError``."""
+    expected = 'a mapping of text to text'
+    if not isinstance(environment, Mapping):
+        refuse('environment', environment, expected)
+    if not all(isinstance(name, str) and isinstance(value, (str, PathLike))
+               for name, value in environment.items()):
+        refuse('environment', dict(environment), expected)
+    return {name: fspath(value) for name, value in environment.items()}
+
+
+def check_name(name: str, value: Any, node: str) -> str:
+    """Return the name of a topic or service, or raise ``ValueError``; ``node`` is its ``~``."""
+    if not isinstance(value, str):
+        refuse(name, value, 'a name')
+    try:
+        validate_full_topic_name(expand_topic_name(value, node, '/'))
+    except (ValueError, NameValidationException):
+        refuse(name, value, NAME)
+    return value
 
 
 def check_type(name: str, kind: Any, known: Sequence[str], where: str) -> None:

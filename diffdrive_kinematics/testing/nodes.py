@@ -30,9 +30,10 @@ from diffdrive_kinematics.testing.messages import RecordedMessages
 import rclpy
 from rclpy.signals import SignalHandlerOptions
 
-__all__ = ['BASES', 'RobotNodes', 'State', 'topic_of']
+__all__ = ['RobotNodes', 'State', 'topic_of']
 
-BASES = 'simulated_base', 'wheel_odometry'
+MOTION = {'simulated_base': 'wheel_motion_topic', 'wheel_odometry': 'wheel_motion_topic',
+          'wheel_noise': 'output_topic'}
 RANGE = 'ROS_AUTOMATIC_DISCOVERY_RANGE'
 
 
@@ -65,6 +66,7 @@ class RobotNodes:
         self._members = {_path(member): member for member in made.members}
         self._live: Dict[str, Any] = {}
         self._timers: Dict[str, List[Any]] = {}
+        self._motion: Dict[str, str] = {}  # topics: of bases what they hear, of noise what it says
         self.executor: Any = None
         self._context = rclpy.Context()
         self._range = os.environ.get(RANGE)
@@ -100,6 +102,8 @@ class RobotNodes:
             stepped=self.clock, in_flight=self.messages,
             neighbours=[each.name for each in self._members.values()])
         self._live[_path(member)] = node
+        if member.kind in MOTION:
+            self._motion[_path(member)] = topic_of(node, MOTION[member.kind])
         self._timers[_path(member)] = [each for each in self.clock.timers if each not in timers]
         self.messages.know_types(node)
         self.executor.add_node(node)
@@ -116,12 +120,13 @@ class RobotNodes:
 
     def state(self, *, noisy: bool) -> State:
         """Return the state of the base that is fed with noise, or of the one that is not."""
-        outputs = {topic_of(node, 'output_topic') for node in self.of('wheel_noise')}
-        bases = sorted(self.of(*BASES), key=lambda node: (
-            topic_of(node, 'wheel_motion_topic') in outputs) != noisy)
-        if not bases:
-            raise LookupError('no simulated_base is alive, expected one')
-        reading = bases[0].reading()
+        noises = {path for path in self._motion if self._members[path].kind == 'wheel_noise'}
+        outputs = {self._motion[path] for path in noises}
+        base = min((path for path in self._motion if path not in noises), default='simulated_base',
+                   key=lambda path: (self._motion[path] in outputs) != noisy)
+        if base not in self._live:  # another one would be a belief for a truth
+            raise LookupError(f'no {base} is alive, expected one')
+        reading = self._live[base].reading()
         return State(*map(float, reading.pose), *map(float, reading.twist))
 
     def controller(self) -> Any:

@@ -36,6 +36,8 @@ if find_spec('rclpy'):
 
         try:
             yield make
+            for robot in robots:
+                robot.check()
         finally:
             for robot in reversed(robots):
                 robot.close()

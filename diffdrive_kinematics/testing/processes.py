@@ -61,7 +61,7 @@ class Process:
         self.nodes: Set[str] = set()
         self._to_end = False
         self.shared_memory: Set[str] = set()
-        self._file = tempfile.TemporaryFile(mode='w+')
+        self._file = tempfile.TemporaryFile(mode='w+', encoding='utf-8', errors='replace')
         self._popen = subprocess.Popen(
             [*command, '--ros-args', '-p', 'use_sim_time:=true'], stdin=subprocess.DEVNULL,
             stdout=self._file, stderr=subprocess.STDOUT, start_new_session=True,
@@ -95,8 +95,9 @@ class Process:
             self._to_end = True
             raise ProcessFailed(self.describe(f'ended with status {self.status}'))
 
-    def describe(self, what: str) -> str:
-        """Return its name, what is wrong with it, and the end of its output."""
+    def describe(self, what: str = '') -> str:
+        """Return its name, what is wrong with it or whether it runs, and its last output."""
+        what = what or ('runs' if self.running else f'has ended with status {self.status}')
         lines = self.output.splitlines()[-LINES:]
         return '\n'.join([f'{self.name} {what}; its output ends:', *lines])
 
@@ -112,6 +113,7 @@ class Process:
 
     def close(self) -> None:
         """End it and its children, and forget its output."""
+        self._to_end = True
         self.stop()
         self._signal(signal.SIGKILL)
         self._file.close()

@@ -19,10 +19,10 @@ from pathlib import Path
 from typing import Any, Callable, Mapping, Optional, Sequence, Union
 
 from diffdrive_kinematics.testing.checks import (
-    check_command, check_condition, check_number, refuse, whole_steps)
+    check_command, check_condition, check_environment, check_number, refuse, whole_steps)
 from diffdrive_kinematics.testing.composition import composition
 from diffdrive_kinematics.testing.guardian import Guardian
-from diffdrive_kinematics.testing.nodes import BASES, RobotNodes, State, topic_of
+from diffdrive_kinematics.testing.nodes import RobotNodes, State, topic_of
 from diffdrive_kinematics.testing.processes import environment_of, Process
 from diffdrive_kinematics.testing.stepping import Stepping
 from diffdrive_kinematics.testing.topics import Topics
@@ -161,10 +161,13 @@ class Robot(Topics):
             self.advance(each * self._stepping.step_ns / 1e9, **options)
             if condition():
                 return
-        odom = self.odom if self._nodes.of(*BASES) else 'not there'
+        try:
+            odom: Any = self.odom
+        except LookupError:
+            odom = 'not there'
         raise AssertionError('\n'.join([
             f'not within {timeout} simulated seconds; odom is {odom}', *self._nodes.problems(),
-            *(process.describe('runs') for process in self._stepping.processes)]))
+            *(process.describe() for process in self._stepping.processes)]))
 
     def start_process(
             self, command: Sequence[str], *, lockstep: bool = False, restless: bool = False,
@@ -190,10 +193,10 @@ class Robot(Topics):
             With ``output``, ``running``, ``stop()`` and ``kill()``.
 
         """
-        words = check_command(command)
+        words, variables = check_command(command), check_environment(environment or {})
         arrival = self._stepping.expect()
         process = Process(
-            words, {**environment_of(self.domain), **(environment or {})},
+            words, {**environment_of(self.domain), **variables},
             name=' '.join(Path(word).name for word in words), lockstep=lockstep,
             restless=restless)
         self._stepping.processes.append(process)
@@ -221,6 +224,10 @@ class Robot(Topics):
                 0 <= self._nodes.clock.now_ns() + round(step) < CLOCK_END_NS):
             refuse('seconds', seconds, expected)
         self._stepping.jump(round(step))
+
+    def check(self) -> None:
+        """Raise ``ProcessFailed`` if a process has ended with an error that was not told yet."""
+        self._stepping.check()
 
     def close(self) -> None:
         """End everything; the robot first, as a killed writer leaves its shared memory locked."""

@@ -22,6 +22,7 @@ from diffdrive_kinematics.ros.parameters.qos import reliable
 from diffdrive_kinematics.testing.acknowledgements import Acknowledgements
 from diffdrive_kinematics.testing.arrival import Arrival
 from diffdrive_kinematics.testing.at_rest import Rest, Threads
+from diffdrive_kinematics.testing.matching import has_publishers, has_subscribers
 from diffdrive_kinematics.testing.nodes import RobotNodes
 from diffdrive_kinematics.testing.processes import Process, ProcessFailed, sleepless
 from rosgraph_msgs.msg import Clock
@@ -65,7 +66,7 @@ class Stepping:
     def step(self, *, tell: bool = True, wait_for: Optional[str] = None) -> None:
         """Let one step pass; ``tell`` the processes, and wait until they have handled it."""
         if tell:
-            self._check()
+            self.check(wait_for)
         self.clock.advance_to(self.clock.now_ns() + self.step_ns)
         self._messages.forget()
         if self._messages.disturbances.hand_on_late():
@@ -78,17 +79,21 @@ class Stepping:
 
     def jump(self, step_ns: int) -> None:
         """Step the clock itself; timers of robots do not run on it, and go on as before."""
-        self._check()
+        self.check()
         for timer in self.clock.timers:
             timer.next_ns += step_ns
         self._messages.disturbances.clock_stepped(step_ns)
         self.clock.advance_to(self.clock.now_ns() + step_ns)
         self.tell()
 
-    def _check(self) -> None:
-        """Raise ``ProcessFailed`` before a step which the others would miss."""
+    def check(self, wait_for: Optional[str] = None) -> None:
+        """Raise ``ProcessFailed`` before a step which the others would miss, or nobody answer."""
         for process in self.processes:
             process.check()
+        if wait_for and not any(process.running for process in self.processes):
+            raise ProcessFailed('\n'.join([
+                f'{wait_for!r} is waited for, and no process runs that could publish it',
+                *(process.describe() for process in self.processes)]))
 
     def tell(self, wait_for: Optional[str] = None) -> None:
         """Show the time to the processes, and wait until they have handled it."""
@@ -212,15 +217,13 @@ class Stepping:
         process.check()
 
     def all_matched(self) -> bool:
-        """Return whether all publishers of this process have all who listen in the graph."""
+        """Return whether all of this process have found all in the graph who fit them."""
         observer = self._observer
         nodes = self._executor.get_nodes()
         subscriptions = [each for node in nodes for each in node.subscriptions]
         return self._nodes.ready() and all(
-            publisher.get_subscription_count() >= observer.count_subscribers(publisher.topic_name)
-            for publisher in self._messages.publishers) and all(
-            each.get_publisher_count() >= observer.count_publishers(each.topic_name)
-            for each in subscriptions)
+            has_subscribers(each, observer) for each in self._messages.publishers) and all(
+            has_publishers(each, observer) for each in subscriptions)
 
     def _be_silent(self) -> None:
         """Spin until nothing has come for a while."""

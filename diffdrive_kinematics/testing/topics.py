@@ -16,11 +16,14 @@
 
 from typing import Any, Dict, List
 
-from diffdrive_kinematics.testing.checks import check_number, check_type, refuse
+from diffdrive_kinematics.testing.checks import (
+    check_name, check_number, check_type, refuse)
+from diffdrive_kinematics.testing.matching import has_subscribers, is_latched
 from diffdrive_kinematics.testing.messages import Recorded
 from diffdrive_kinematics.testing.nodes import RobotNodes
 from diffdrive_kinematics.testing.stepping import Stepping
 from rclpy.duration import Duration
+from rclpy.qos import DurabilityPolicy, QoSProfile
 
 __all__ = ['Topics']
 
@@ -67,12 +70,14 @@ class Topics:
         if not publisher or type(message) is not publisher.msg_type:
             self._check_type('type of message', type(message), name)
         if not publisher:
-            publisher = self._observer.create_publisher(type(message), topic, 100)
+            publisher = self._observer.create_publisher(type(message), topic, QoSProfile(
+                depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+                if is_latched(name, self._observer) else 100)
             self._messages.count_sent(publisher, self._observer.get_fully_qualified_name())
             self._publishers[name] = publisher
             self._stepping.wait(
-                lambda: publisher.get_subscription_count() >= max(
-                    1, self._observer.count_subscribers(name)),
+                lambda: publisher.get_subscription_count() and has_subscribers(
+                    publisher, self._observer),
                 f'find who listens to {topic!r}', [], timeout=HEARD_S)
             self._stepping.rest(silence=True)  # they have found the publisher, too
         publisher.publish(message)
@@ -83,7 +88,7 @@ class Topics:
     def call(self, service_type: Any, name: str, request: Any) -> Any:
         """Call a service and return its response; it is answered before time goes on."""
         offered = dict(self._observer.get_service_names_and_types())
-        full_name = self._observer.resolve_service_name(_text('name', name))
+        full_name = self._observer.resolve_service_name(self._text('name', name))
         check_type('service_type', service_type, offered.get(full_name, []), name)
         if not isinstance(request, service_type.Request):
             refuse('request', request, f'a {service_type.__name__}.Request')
@@ -105,11 +110,11 @@ class Topics:
 
     def delay(self, topic: str, seconds: float) -> None:
         """Hand the messages of a topic on later from now on, in steps of the clock."""
-        seconds = check_number('seconds', seconds, 'a finite number, 0 or above', least=0.0)
+        seconds = check_number('seconds', seconds, 'from 0 to 1e9 s', least=0.0, most=1e9)
         self._messages.disturbances.delay(self._known(topic), round(seconds * 1e9))
 
     def _name(self, topic: str, argument: str = 'topic') -> str:
-        name: str = self._observer.resolve_topic_name(_text(argument, topic))
+        name: str = self._observer.resolve_topic_name(self._text(argument, topic))
         return name
 
     def _known(self, topic: str) -> str:
@@ -132,8 +137,5 @@ class Topics:
         known = dict(self._observer.get_topic_names_and_types())
         check_type(name, kind, known.get(topic, []), topic)
 
-
-def _text(name: str, value: Any) -> str:
-    if not isinstance(value, str) or not value:
-        refuse(name, value, 'a name')
-    return value
+    def _text(self, name: str, value: Any) -> str:
+        return check_name(name, value, self._observer.get_name())

@@ -1,0 +1,225 @@
+# Copyright 2026 diffdrive_kinematics contributors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""What a test gets to hear of a robot that it makes, asks or watches wrongly."""
+
+import re
+import subprocess
+import sys
+
+from diffdrive_kinematics.testing.processes import ProcessFailed
+from geometry_msgs.msg import PoseStamped
+import numpy
+import pytest
+from std_srvs.srv import Trigger
+from support.graph import twist
+from support.planners import NOISE, ROBOT
+from support.stepped import nodes
+
+pytestmark = pytest.mark.ros
+
+
+LATCHED = 'QoSProfile(depth=1, durability=rclpy.qos.DurabilityPolicy.TRANSIENT_LOCAL)'
+
+
+def python(text):
+    """Return a command that runs some Python."""
+    return [sys.executable, '-c', text, '--']
+
+
+@pytest.mark.parametrize('options, words', [
+    ({'params': {**ROBOT, 'wheel_radios': 0.1}},
+     "params has 'wheel_radios', expected a parameter of a node of this package, did you "
+     "mean 'wheel_radius'?"),
+    ({'params': ROBOT, 'noise': {'left_biass': 0.1}},
+     "noise has 'left_biass', expected a parameter of wheel_noise, did you mean 'left_bias'?"),
+    ({'params': ROBOT, 'noise': {'cmd_vel_timeout': 0.1}}, "noise has 'cmd_vel_timeout', exp"),
+    ({'params': {**ROBOT, 3: 1}}, 'params has 3, expected a parameter'),
+    ({'params': {**ROBOT, 'linear': {'x': {'max_velocityy': 1.0}}}},
+     "params has 'linear.x.max_velocityy', expected"),
+    ({'params': {**ROBOT, 'seed': object()}}, 'seed is <object .*, expected a number'),
+    ({'params': {**ROBOT, 'seed': {1, 2}}}, r'seed is \{1, 2\}, expected a number'),
+    ({'config': {'/**': {**ROBOT, 'nodes': [3]}}}, r'nodes is \[3\], expected a list of names'),
+    ({'config': {'/**': {**ROBOT, 'nodes': 'simulated_base'}}},
+     "nodes is 'simulated_base', expected a list of names"),
+    ({'config': {'r1': {'base': {'ros__parameters': ROBOT}, 'wheel_radius': 0.1}}},
+     'r1/wheel_radius is 0.1, expected a mapping')])
+def test_parameters_that_cannot_be_meant_are_refused_by_name(diffdrive, options, words):
+    with pytest.raises(ValueError, match=f'^{words}'):
+        diffdrive(**options)
+
+
+def test_parameters_may_be_given_as_numpy_and_paths_and_by_their_parts(diffdrive, tmp_path):
+    robot = diffdrive(
+        params={'wheel_radius': numpy.float64(0.033), 'wheel_separation': numpy.float64(0.16),
+                'linear': {'x': {'max_velocity': numpy.float32(0.25)}},
+                'recording': tmp_path / 'none.csv', 'commands': numpy.array([0.1, 0.0, 1.0])},
+        noise={'seed': numpy.int64(3)})
+    robot.drive(0.5, 0.0, 0.5)
+    assert robot.odom.speed == pytest.approx(0.25)
+
+
+def test_sections_of_a_params_file_may_stand_in_their_namespaces(diffdrive):
+    kinds = 'diff_drive_controller', 'simulated_base'
+    robot = diffdrive(
+        {'/**': {'ros__parameters': ROBOT}, 'diffdrive_sim': {'ros__parameters': {'nodes': [
+            f'{kind}:/fleet/{name}/{kind}' for name in ('r1', 'r2') for kind in kinds]}},
+         'fleet': {name: {kinds[0]: {'ros__parameters': {'linear': {'x': {'max_velocity': most}}}}}
+                   for name, most in (('r1', 0.1), ('r2', 0.05))}})
+    for name, most in (('r1', 0.1), ('r2', 0.05)):
+        robot.publish(f'/fleet/{name}/cmd_vel', twist(1.0, 0.0))
+        robot.advance(0.1)
+        message = robot.history(f'/fleet/{name}/odom')[-1].message
+        assert message.twist.twist.linear.x == pytest.approx(most)
+
+
+@pytest.mark.parametrize('content', [b'', b'a: [1\nb: }', b'\xff\xfe\x80', b'- a', b'a: 5'])
+def test_a_params_file_that_is_none_is_named(diffdrive, tmp_path, content):
+    path = tmp_path / 'robot.yaml'
+    path.write_bytes(content)
+    with pytest.raises(ValueError, match=f'^config is {re.escape(repr(str(path)))}, expected a'):
+        diffdrive(path)
+
+
+@pytest.mark.parametrize('name', ['a b', 'x' * 300, '1a', 'a//b', '{this}'])
+def test_names_of_topics_and_services_that_cannot_be_are_refused_by_name(diffdrive, name):
+    robot = diffdrive(nodes('simulated_base'), params=ROBOT)
+    word = re.escape(repr(name))
+    for call in (robot.history, lambda topic: robot.drop(topic, 0.1),
+                 lambda topic: robot.publish(topic, Trigger)):
+        with pytest.raises(ValueError, match=f'^topic is {word}, expected a name of ROS: '):
+            call(name)
+    with pytest.raises(ValueError, match=f'^wait_for is {word}, expected a name of ROS: '):
+        robot.advance(0.1, wait_for=name)
+    with pytest.raises(ValueError, match=f'^name is {word}, expected a name of ROS: '):
+        robot.call(Trigger, name, Trigger.Request())
+
+
+def test_a_delay_after_the_end_of_time_is_refused(diffdrive):
+    robot = diffdrive(params=ROBOT)
+    with pytest.raises(ValueError, match=r'^seconds is 1e\+300, expected'):
+        robot.delay('odom', 1e300)
+
+
+@pytest.mark.parametrize('environment, words', [
+    (['A'], r"environment is \['A'\], expected a mapping"),
+    ({'A': 1}, r"environment is \{'A': 1\}, expected a mapping of text to text")])
+def test_an_environment_that_cannot_be_is_refused_before_a_process_starts(
+        diffdrive, environment, words):
+    robot = diffdrive(params=ROBOT)
+    with pytest.raises(ValueError, match=f'^{words}'):
+        robot.start_process(python('pass'), environment=environment)
+
+
+@pytest.mark.parametrize('name', ['ground_truth', 'wheel_noise'])
+def test_the_truth_is_no_belief_where_a_node_of_it_was_killed(diffdrive, name):
+    robot = diffdrive(params=ROBOT, noise={**NOISE, 'left_bias': 0.2})
+    robot.drive(0.2, 0.0, 2.0)
+    truth, odom = robot.truth, robot.odom
+    assert truth.distance_to(odom.x, odom.y) > 0.01
+    robot.kill(name)
+    assert robot.odom == odom
+    if name == 'wheel_noise':
+        assert robot.truth == truth
+    else:
+        with pytest.raises(LookupError, match='no ground_truth is alive, expected one'):
+            robot.truth
+        robot.kill('simulated_base')
+        robot.restart('ground_truth')
+        with pytest.raises(LookupError, match='no simulated_base is alive, expected one'):
+            robot.odom
+        assert robot.truth.x == 0.0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize('end', ["'cmd_vel', 10", 'self.on_odom, 10'])
+def test_a_process_whose_quality_of_service_does_not_fit_is_told_by_what_it_says(
+        diffdrive, files, end):
+    ours = {"'cmd_vel', 10": 'qos_profile_sensor_data', 'self.on_odom, 10': LATCHED}[end]
+    path = files / 'does_not_fit.py'
+    path.write_text((files / 'my_planner.py').read_text().replace(
+        end, f'{end[:-2]}rclpy.qos.{ours}'))
+    robot = diffdrive(params=ROBOT)
+    robot.start_process([sys.executable, path])
+    goal = PoseStamped()
+    goal.pose.position.x = 1.0
+    robot.publish('goal_pose', goal)
+    with pytest.raises(AssertionError, match='not within 1.0 .*[\\s\\S]*incompatible QoS'):
+        robot.advance_until(lambda: robot.odom.x > 0.05, timeout=1.0)
+
+
+@pytest.mark.slow
+def test_a_process_that_subscribes_to_what_is_latched_hears_the_test(diffdrive, files):
+    path = files / 'latched.py'
+    path.write_text((files / 'my_planner.py').read_text().replace(
+        'self.on_goal, 10', f'self.on_goal, rclpy.qos.{LATCHED}'))
+    robot = diffdrive(params=ROBOT)
+    robot.start_process([sys.executable, path])
+    goal = PoseStamped()
+    goal.pose.position.x = 1.0
+    robot.publish('goal_pose', goal)
+    robot.advance_until(lambda: robot.odom.x > 0.05, timeout=2.0)
+    goal.pose.position.x = -1.0
+    robot.publish('goal_pose', goal)
+    robot.advance_until(lambda: abs(robot.odom.yaw) > 1.0, timeout=5.0)
+
+
+def test_a_message_is_waited_for_only_while_a_process_runs_that_may_publish_it(diffdrive):
+    robot = diffdrive(params=ROBOT)
+    expected = "^'/cmd_vel' is waited for, and no process runs that could publish it"
+    with pytest.raises(ProcessFailed, match=f'{expected}$'):
+        robot.advance(0.1, wait_for='cmd_vel')
+    robot.start_process(python("print('bye')"))
+    with pytest.raises(ProcessFailed, match=f'{expected}\npython .* has ended[\\s\\S]*bye$'):
+        robot.advance(0.1, wait_for='cmd_vel')
+    assert robot.time == 0.0
+
+
+def test_a_process_that_has_ended_is_not_said_to_run_and_may_write_what_is_no_text(diffdrive):
+    robot = diffdrive(params=ROBOT)
+    process = robot.start_process(python(r"import os; os.write(1, b'no \xff text\n')"))
+    with pytest.raises(
+            AssertionError, match='has ended with status 0; its output ends:\nno . text$'):
+        robot.advance_until(lambda: False, timeout=0.1)
+    assert process.output == 'no \ufffd text\n'
+
+
+TEST_OF_DEATH = """
+import sys
+
+
+def test_it(diffdrive):
+    robot = diffdrive(params={'wheel_radius': 0.03, 'wheel_separation': 0.1})
+    process = robot.start_process([sys.executable, 'my_planner.py'])
+    process._popen.send_signal(9)
+    process._popen.wait()
+
+
+def test_that_fails_by_itself(diffdrive):
+    test_it(diffdrive)
+    assert not 'this is told'
+"""
+
+
+@pytest.mark.slow
+def test_a_process_that_died_after_the_last_step_fails_the_test_too(files):
+    (files / 'test_death.py').write_text(TEST_OF_DEATH)
+    run = subprocess.run(
+        [sys.executable, '-m', 'pytest', '-q', '-p', 'diffdrive_kinematics.testing.plugin',
+         'test_death.py'], cwd=files, capture_output=True, text=True)
+    ends = [f'{number} {word}' for number, word in [(1, 'failed'), (1, 'passed'), (2, 'errors')]]
+    assert run.returncode == 1 and all(
+        end in run.stdout.splitlines()[-1] for end in ends), run.stdout + run.stderr
+    assert run.stdout.count('ProcessFailed: python my_planner.py ended with status -9') >= 2
+    assert 'this is told' in run.stdout
