@@ -105,6 +105,9 @@ class Robot:
             deserialize_message(data, JointState))
 
     def command(self, v, stamp_ns=None):
+        """Give a command, which nobody hears before there is a subscription."""
+        if not any(each.topic_name == '/cmd_vel' for each in self.node.subscriptions):
+            return
         self.node._on_command(serialize_message(
             twist(v, 0.0) if stamp_ns is None else twist_stamped(stamp_ns, v, 0.0)))
 
