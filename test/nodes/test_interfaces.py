@@ -197,7 +197,7 @@ def test_a_node_has_the_topics_of_the_page_and_no_others(name, settings, tmp_pat
 
 
 def test_each_executable_has_a_section_and_each_parameter_of_the_page_a_row_there():
-    assert set(NODES) == set(executables.NAMES) == set(TABLES)
+    assert set(NODES) == set(executables.__all__) == set(TABLES)
     for name, parts in NODES.items():
         assert f'(parameters.md#{name})' in parts['Parameters']
         known = {entry.name for entry in TABLES[name]}

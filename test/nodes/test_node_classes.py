@@ -53,7 +53,7 @@ def terminal(monkeypatch):
     os.close(ends[0])
 
 
-@pytest.mark.parametrize('executable', executables.NAMES)
+@pytest.mark.parametrize('executable', executables.__all__)
 def test_a_class_takes_a_context_and_overrides_and_arguments(executable, terminal):
     assert not rclpy.ok()  # nothing but what is given is to be used
     context = rclpy.Context()
