@@ -27,7 +27,7 @@ from diffdrive_kinematics.testing.guardian import shared_memory_of
 __all__ = ['environment_of', 'Process', 'ProcessFailed', 'sleepless']
 
 PATIENCE_S = 3.0
-LINES = 40
+LINES, LENGTH = 40, 500
 LOOKS, LOOK_S = 100, 0.02
 
 
@@ -99,7 +99,8 @@ class Process:
         """Return its name, what is wrong with it or whether it runs, and its last output."""
         what = what or ('runs' if self.running else f'has ended with status {self.status}')
         lines = self.output.splitlines()[-LINES:]
-        return '\n'.join([f'{self.name} {what}; its output ends:', *lines])
+        return '\n'.join([f'{self.name} {what}; its output ends:', *(
+            line if len(line) <= LENGTH else f'...{line[-LENGTH:]}' for line in lines)])
 
     def kill(self) -> None:
         """End it at once, as a crash does."""

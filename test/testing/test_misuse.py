@@ -195,6 +195,14 @@ def test_a_process_that_has_ended_is_not_said_to_run_and_may_write_what_is_no_te
     assert process.output == 'no \ufffd text\n'
 
 
+def test_of_long_lines_of_a_process_an_error_has_the_ends(diffdrive):
+    robot = diffdrive(params=ROBOT)
+    process = robot.start_process(python("print(('x' * 100_000 + 'end\\n') * 100)"))
+    with pytest.raises(AssertionError, match='its output ends:\n[.]{3}x+end\n') as raised:
+        robot.advance_until(lambda: False, timeout=0.1)
+    assert len(str(raised.value)) < 40_000 < len(process.output)
+
+
 TEST_OF_DEATH = """
 import sys
 
