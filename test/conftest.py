@@ -41,14 +41,19 @@ def pytest_configure(config):
 
 @pytest.hookimpl(tryfirst=True)  # before pytest looks at the marks
 def pytest_collection_modifyitems(items):
-    """Mark what starts ROS processes as slow, unless it is marked as quick."""
+    """Mark as slow what starts ROS processes, and all but the first case of a test."""
+    seen = set()
     for item in items:
         if 'here' in item.fixturenames:
             item.add_marker('ros')
-        if STARTING & {*item.fixturenames}:
+        starts = STARTING & {*item.fixturenames}
+        if starts:
             item.add_marker('ros')
-            if not item.get_closest_marker('quick'):
-                item.add_marker('slow')
+            item.add_marker('processes')
+        test = item.nodeid.partition('[')[0]
+        if (starts or test in seen) and not item.get_closest_marker('quick'):
+            item.add_marker('slow')
+        seen.add(test)
 
 
 @pytest.fixture

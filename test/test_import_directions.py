@@ -201,6 +201,7 @@ def test_nodes_are_the_executables_and_nothing_else():
         *NODE_MODULES, f'{PACKAGE}.nodes'}
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize('path', FILES, ids=name_of)
 def test_a_file_imports_only_from_rooms_that_its_own_may_look_into(path):
     room = room_of(module_of(path))

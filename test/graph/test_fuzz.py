@@ -268,6 +268,7 @@ def test_no_pose_that_is_set_takes_the_base_down_and_its_odometry_stays_finite(e
     assert counts['refused'] > 100
 
 
+@pytest.mark.slow
 def test_no_belief_takes_the_ground_truth_down_and_its_transforms_stay_finite():
     counts = assert_works('simulated_base', batches_of(
         ('/wheel_rates', wheels), ('/odom', beliefs())), {

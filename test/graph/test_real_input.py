@@ -49,6 +49,7 @@ def replay_encoders(diffdrive, rows):
     return pose
 
 
+@pytest.mark.slow
 def test_recorded_encoders_give_the_odometry_that_offline_integration_gives(diffdrive):
     errors = []
     assert len(RUNS) == 6

@@ -120,6 +120,7 @@ def checks():
     return hook.parse_config(ROOT)['checks']
 
 
+@pytest.mark.quick
 @pytest.mark.numpydoc
 @pytest.mark.linter
 @pytest.mark.parametrize('name', MODULES)

@@ -84,6 +84,7 @@ def test_without_slip_of_the_body_every_bit_is_as_if_there_were_none():
         perturbed(slip, (5.0, 7.0), 200), perturbed({**without, **zeros}, (5.0, 7.0), 200))
 
 
+@pytest.mark.slow
 def test_the_belief_publishes_the_covariance_of_20000_sampled_runs():
     with inside(SimulatedBase, {**KHEPERA, **PARAMETERS, 'enable_odom_tf': False}) as held:
         for rates in LEGS:

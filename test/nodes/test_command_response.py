@@ -41,6 +41,7 @@ def end_of(diffdrive, noise, controller):
     return truth.pose.pose.position.x, truth.pose.pose.position.y
 
 
+@pytest.mark.slow
 @pytest.mark.ros
 def test_without_slip_the_inverse_drives_the_square_that_was_wanted(diffdrive):
     wanted = end_of(diffdrive, {}, {})

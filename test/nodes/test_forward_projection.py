@@ -111,6 +111,7 @@ def children(process):
             for pid in (task / 'children').read_text().split()]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('changes', [
     {}, {'stages': 5}, {'slip_distribution': 'triangular', 'stages': 3},
     {'slip_distribution': 'truncated_gaussian'}, {'left_slip_variance': 2e-3, 'stages': 2},
@@ -136,6 +137,7 @@ def test_a_worker_beside_each_executor_projects_the_same_as_one_in_place(
     assert np.array_equal(vertices(boundaries[-1]), vertices(around[-1]))
 
 
+@pytest.mark.slow
 def test_the_boundary_is_no_wider_than_what_samples_reach(diffdrive):
     _, poses, boundaries = projected(diffdrive, SETTINGS)
     points, polygon = positions(poses[-1]), vertices(boundaries[-1])

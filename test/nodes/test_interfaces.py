@@ -158,6 +158,7 @@ def made(name):
 CASES = [(name, settings) for name in NODES if name != DRAWS for settings in conditions(name)]
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize(
     ('name', 'settings'), CASES, ids=[f'{name}-{"-".join(each)}' for name, each in CASES])
 def test_a_node_has_the_topics_of_the_page_and_no_others(name, settings, tmp_path, monkeypatch):

@@ -72,6 +72,7 @@ def test_a_drive_is_kept_as_csv_with_belief_truth_wheels_and_commands(here, tmp_
     assert w == pytest.approx(kept['angular_z'][:-1], abs=1e-6)
 
 
+@pytest.mark.slow
 def test_a_kept_drive_calibrates_to_the_bias_of_its_robot_and_plays_again(here, tmp_path):
     run = tmp_path / 'run.csv'
     sim = here('diffdrive_sim', [*FAST, '-p', f'record:={run}'])
@@ -308,6 +309,7 @@ def test_a_picture_without_matplotlib_is_refused_before_the_drive(graph, tmp_pat
     assert 'of 24.0 s' not in sim.output and not (tmp_path / 'a.png').exists()
 
 
+@pytest.mark.slow
 def test_keeping_a_drive_changes_nothing_of_it(here, tmp_path):
     tables = []
     for keep in ([], ['-p', f'record:={tmp_path / "run.csv"}']):

@@ -169,6 +169,7 @@ def test_the_covariance_of_a_long_straight_is_that_of_20000_sampled_paths(diffdr
         assert published[i, j] == pytest.approx(expected[i, j], rel=0.05)
 
 
+@pytest.mark.slow
 def test_belief_is_consistent_with_truth_over_50_runs_of_the_nodes(diffdrive):
     """
     Drive a square once; the robot believes one thing, 50 seeded noises make 50 truths of it.

@@ -38,7 +38,6 @@ from diffdrive_kinematics.nodes.diff_drive_controller import DiffDriveController
 import pytest
 from support.graph import KHEPERA, stamp_ns, twist
 from support.inside import inside, START_NS
-from support.marks import rest_slow
 import yaml
 
 DATA = Path(__file__).parents[1] / 'data' / 'ros2_controllers'
@@ -172,7 +171,7 @@ def driven(path, seed):
         return asked, limited, held.node.config
 
 
-@pytest.mark.parametrize('seed', rest_slow([1, 2, 3]))
+@pytest.mark.parametrize('seed', [1, 2, 3])
 @pytest.mark.parametrize('name', ['diffbot', 'switched_off', 'limits', 'four_rates'])
 def test_yaml_of_ros2_controllers_loads_unchanged_and_limits_as_it_does_there(name, seed):
     path = DATA / f'{name}.yaml'

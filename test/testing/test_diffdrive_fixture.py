@@ -35,6 +35,7 @@ from support.stepped import nodes, tell_wheels
 pytestmark = pytest.mark.ros
 
 
+@pytest.mark.slow
 def test_the_example_of_the_tutorial_passes_as_it_is_written(files):
     run = subprocess.run(
         [sys.executable, '-m', 'pytest', '-q', '-p', 'diffdrive_kinematics.testing.plugin',
@@ -159,6 +160,7 @@ def test_a_robot_without_a_base_says_what_did_not_come(diffdrive):
         robot.advance_until(lambda: False, timeout=0.1)
 
 
+@pytest.mark.slow
 def test_a_process_that_dies_is_reported_by_name_with_its_output(diffdrive, files):
     path = files / 'dies.py'
     path.write_text((files / 'my_planner.py').read_text().replace(

@@ -150,6 +150,7 @@ def commands(robot):
     return [round(each.time / STEP_S) for each in robot.history('cmd_vel')]
 
 
+@pytest.mark.slow
 def test_a_node_that_takes_long_to_start_misses_no_step(diffdrive, files, monkeypatch):
     """Though all of its threads sleep, and the graph shows nothing new."""
     path = files / 'loads_a_map.py'
@@ -164,6 +165,7 @@ def test_a_node_that_takes_long_to_start_misses_no_step(diffdrive, files, monkey
     assert commands(robot) == [*range(1, 11)]
 
 
+@pytest.mark.slow
 def test_what_a_node_says_when_it_hears_the_time_for_the_first_time_is_of_that_time(
         diffdrive, files):
     robot = diffdrive(params=ROBOT)
@@ -174,6 +176,7 @@ def test_what_a_node_says_when_it_hears_the_time_for_the_first_time_is_of_that_t
     assert commands(robot) == [*range(50, 61)]
 
 
+@pytest.mark.slow
 def test_a_node_that_acknowledges_no_messages_hears_the_first_one_of_a_topic(diffdrive, files):
     path = files / 'hears_at_best_effort.py'
     text = (files / 'my_planner.py').read_text().replace(
@@ -188,6 +191,7 @@ def test_a_node_that_acknowledges_no_messages_hears_the_first_one_of_a_topic(dif
     assert process.output == 'goal\n'
 
 
+@pytest.mark.slow
 def test_a_node_that_is_started_again_under_its_name_misses_no_step(diffdrive, files):
     robot, command = diffdrive(params=ROBOT), [sys.executable, files / 'my_planner.py']
     for number in range(2):
@@ -212,6 +216,7 @@ def test_a_node_that_hangs_is_named_though_it_tells_nothing(diffdrive, files, mo
     assert innocent.running and 'my_planner' not in str(held.value)
 
 
+@pytest.mark.slow
 def test_a_node_that_waits_for_ever_is_named_by_who_waits_for_the_robot(diffdrive, files):
     path = files / 'waits.py'
     path.write_text((files / 'my_planner.py').read_text().replace(
@@ -239,6 +244,7 @@ def test_a_node_that_never_rests_is_told_so_and_may_be_given_silence(
     assert other.history('cmd_vel')
 
 
+@pytest.mark.slow
 def test_a_request_to_the_robot_is_answered_before_time_moves(diffdrive, files):
     path = files / 'asks.py'
     path.write_text((files / 'my_planner.py').read_text().replace(
@@ -259,6 +265,7 @@ def test_a_request_to_the_robot_is_answered_before_time_moves(diffdrive, files):
     assert process.output.split('\n')[:3] == ['waited 0'] * 3
 
 
+@pytest.mark.slow
 def test_a_node_in_lockstep_ends_and_one_of_its_name_comes(diffdrive, files):
     robot, command = diffdrive(params=ROBOT), [sys.executable, files / 'in_lockstep.py']
     for _ in range(2):
@@ -269,6 +276,7 @@ def test_a_node_in_lockstep_ends_and_one_of_its_name_comes(diffdrive, files):
         process.kill()
 
 
+@pytest.mark.slow
 def test_a_node_in_lockstep_is_waited_for_after_the_clock_was_set_back(diffdrive, files):
     robot = diffdrive(params=ROBOT)
     robot.start_process([sys.executable, files / 'in_lockstep.py'], lockstep=True)
@@ -280,6 +288,7 @@ def test_a_node_in_lockstep_is_waited_for_after_the_clock_was_set_back(diffdrive
         assert acknowledgements.of('/my_planner') == round(robot.time * 1e9)
 
 
+@pytest.mark.slow
 def test_the_clock_of_processes_moves_by_a_period_in_every_way_to_wait(diffdrive, files):
     path = files / 'tells_time.py'
     path.write_text((files / 'in_lockstep.py').read_text().replace(
@@ -307,6 +316,7 @@ def test_after_each_call_the_processes_have_the_time_of_the_robot(diffdrive, fil
         assert acknowledgements.of('/my_planner') == round(robot.time * 1e9)
 
 
+@pytest.mark.slow
 def test_a_node_in_lockstep_is_found_though_the_graph_does_not_tell_whose_topics_are(
         diffdrive, files, monkeypatch):
     def unknown(*_):

@@ -129,6 +129,7 @@ def test_a_node_is_told_the_number_of_a_message_and_misses_those_of_the_lost(hea
                 each.destroy_node()
 
 
+@pytest.mark.slow
 def test_what_processes_say_is_kept_when_the_first_who_hears_it_is_killed(diffdrive, files):
     robot = diffdrive({'/**': {'nodes': [
         'diff_drive_controller:one', 'diff_drive_controller:other']}}, params=ROBOT)
@@ -140,6 +141,7 @@ def test_what_processes_say_is_kept_when_the_first_who_hears_it_is_killed(diffdr
         pytest.approx(0.02 * step) for step in range(1, 21)]
 
 
+@pytest.mark.slow
 def test_a_node_that_waits_for_a_topic_of_a_process_waits_in_simulated_time(diffdrive, files):
     robot = diffdrive({
         '/**': {'nodes': ['command_sequence']},

@@ -94,6 +94,7 @@ def few(tmp_path_factory):
     return paths, found_in(paths)[0]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('storage', ['mcap', 'sqlite3'])
 def test_single_files_and_directories_whose_metadata_names_another_file_are_read(
         tmp_path, few, storage):
@@ -148,6 +149,7 @@ class Rosbag2Py:
             return self._left.pop()
 
 
+@pytest.mark.slow
 def test_a_ros_machine_without_rosbags_reads_the_same(tmp_path, few, monkeypatch):
     (first, second), wheels = few
     single, = second.glob('*.mcap')
@@ -168,6 +170,7 @@ def test_the_reference_may_be_of_each_type(tmp_path, few, kind):
     assert found_in(paths)[0] == pytest.approx(few[1], abs=1e-12)
 
 
+@pytest.mark.slow
 def test_the_reference_may_be_a_transform_of_tf_and_its_frames_are_listed(tmp_path, few):
     paths = []
     for number in (0, 3):
@@ -186,6 +189,7 @@ def test_the_reference_may_be_a_transform_of_tf_and_its_frames_are_listed(tmp_pa
         found_in(paths, reference_topic='/tf')
 
 
+@pytest.mark.slow
 def test_references_may_be_in_another_file_of_either_kind(tmp_path, few):
     paths, wheels = few
     tables = []
@@ -201,6 +205,7 @@ def test_references_may_be_in_another_file_of_either_kind(tmp_path, few):
             wheels, abs=1e-5)
 
 
+@pytest.mark.slow
 def test_twists_of_odometry_are_rates_and_twists_without_stamps_are_commands_when_received(
         tmp_path, few):
     paths = {Odometry: [], Twist: [], TwistStamped: []}

@@ -52,6 +52,7 @@ def test_a_good_course_is_not_remarked_upon():
         1, twists=lambda time: left_only(time) * [1.0, -1.0])]) == []
 
 
+@pytest.mark.slow
 def test_frozen_poses_and_a_reference_that_looks_back_are_in_the_report():
     whole = drive(0, Truth(yaw=3.0))
     poses = whole.reference.copy()
@@ -64,6 +65,7 @@ def test_frozen_poses_and_a_reference_that_looks_back_are_in_the_report():
         VALUES, GEOMETRY, [drive(0)], clock='offsets'))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('drift, words', [
     (2e-3, r'\(drift\)'), (0.0, r'\(offset alone\)')])
 def test_the_report_says_what_was_chosen_of_the_clock_and_why(drift, words):
@@ -76,6 +78,7 @@ def test_the_report_says_what_was_chosen_of_the_clock_and_why(drift, words):
         VALUES, GEOMETRY, [drive(0)], clock='drifts'))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('body, said, written', [
     ((), 'slip is that of the wheels: ', 'left_slip_variance: [1-9]'),
     ((1e-4, 2e-3, 0.0), r'slip is that of the body \(linear, turn\): ',
@@ -93,6 +96,7 @@ def test_the_report_says_what_slips_and_why_and_the_file_has_it(body, said, writ
     assert ('linear slip variance k_d [m]' in report) == bool(body)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('mean_radius, words', [
     ('', 'both radii and the separation'),
     ('keep', 'the separation and the ratio of the radii; the mean radius is kept')])

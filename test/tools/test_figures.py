@@ -61,6 +61,7 @@ def test_figure_2_17_has_semicircles_of_the_wheel_base():
     assert (path.x[-1], path.y[-1]) == pytest.approx((0.0, 8.0))
 
 
+@pytest.mark.slow
 def test_figure_2_21_winds_out_of_one_spiral_and_into_the_other():
     picture, = pictures('2_21')
     bends, way = curvatures(picture.mean)

@@ -258,6 +258,7 @@ def _number(row, column):
         return 0.0
 
 
+@pytest.mark.slow
 @settings(max_examples=200, suppress_health_check=[*HealthCheck])
 @given(content=mutated(), zipped=st.booleans())
 def test_a_mutated_file_ends_in_a_result_or_one_line(tmp_path_factory, content, zipped):

@@ -49,12 +49,14 @@ def test_three_drives_tell_what_differs_and_the_file_has_it():
     assert noise['wheel_separation_multiplier'] == pytest.approx(1.03, abs=0.01)
 
 
+@pytest.mark.slow
 def test_fewer_say_in_a_line_what_their_standard_errors_speak_of():
     calibration = calibrated([1.02, 1.04])
     assert sum(ONLY in line for line in table(calibration).splitlines()) == 1
     assert 'session' not in params_text(calibration, 'calibration.yaml')
 
 
+@pytest.mark.slow
 def test_a_mean_radius_that_is_kept_tells_no_scale():
     calibration = calibrated([1.02, 1.03, 1.04], mean_radius='keep')
     assert 'not the scale' in table(calibration)

@@ -36,6 +36,7 @@ def chosen(seed, drift):
     return recorded, fit_trajectory(GEOMETRY, [recorded])
 
 
+@pytest.mark.slow
 def test_a_clock_that_drifts_is_found_with_its_drift():
     for seed in range(10):
         fit = chosen(seed, DRIFT)[1]
@@ -68,6 +69,7 @@ def test_the_ratio_of_clocks_that_do_not_drift_is_chi_square_of_one_degree():
     assert np.mean(ratios > 0.455) == pytest.approx(0.5, abs=0.3)
 
 
+@pytest.mark.slow
 def test_slip_is_recovered_beside_a_clock_that_drifts():
     """With an offset alone the drift counts as slip."""
     drives = [drive(n, Truth(drift=drift), NOISE) for n, drift in enumerate((DRIFT, -DRIFT))]

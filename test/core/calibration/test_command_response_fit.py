@@ -82,6 +82,7 @@ def test_a_window_that_no_form_knows_does_not_choose():
     assert simplest(steady) == simplest(wild) == 'table'
 
 
+@pytest.mark.slow
 def test_straights_that_are_unlike_the_widest_curves_are_part_of_the_turn_loss():
     truth = replace(TRUTHS['turn loss'], curvatures=(0.0, 0.1), shares=(0.9, 1.0))
     fit = fit_response(GEOMETRY, [commanded_drive(truth)])

@@ -23,7 +23,6 @@ from diffdrive_kinematics.core.noise import draw_session, session_generator, Ses
 import numpy as np
 import pytest
 from support.drives import drive, GEOMETRY, Truth
-from support.marks import rest_slow
 
 SPREAD = SessionSpread(scale=0.004, separation=0.008, curvature=0.008)
 WITHIN = 1e-3  # above the standard error within a drive of each of the three
@@ -60,7 +59,8 @@ def fitted(drives, clock=Clock.OFFSETS, mean_radius=True):
         GEOMETRY, [[each] for each in drives], fit, clock=clock, mean_radius=mean_radius)
 
 
-@pytest.mark.parametrize('seed', rest_slow([1, 2, 3]))
+@pytest.mark.slow
+@pytest.mark.parametrize('seed', [1, 2, 3])
 def test_the_spread_of_sessions_is_found_within_its_chi_square_bounds(seed):
     found, (low, high) = fitted(drives_of(SPREAD, seed)), chi_square_bounds(RUNS - 1)
     assert found.sessions == RUNS
@@ -70,6 +70,7 @@ def test_the_spread_of_sessions_is_found_within_its_chi_square_bounds(seed):
         assert 0.1 * true < spread.error < true
 
 
+@pytest.mark.slow
 def test_it_is_that_of_what_the_sessions_had_but_for_the_errors_of_the_drives():
     drawn = draw_session(SPREAD, session_generator(1), RUNS)
     found = fitted(drives_of(SPREAD, 1))
@@ -77,6 +78,7 @@ def test_it_is_that_of_what_the_sessions_had_but_for_the_errors_of_the_drives():
         assert spread.value == pytest.approx(values.std(ddof=1), abs=2.0 * WITHIN)
 
 
+@pytest.mark.slow
 def test_one_robot_that_is_always_the_same_has_next_to_none():
     found = fitted(drives_of(SessionSpread(), 4))
     assert all(spread.value < WITHIN for spread in found[:3])
@@ -101,6 +103,7 @@ def test_fewer_than_three_drives_that_tell_the_wheels_say_nothing():
         GEOMETRY, [[each] for each in (*drives[:2], still)], fit, clock=Clock.OFFSETS) is None
 
 
+@pytest.mark.slow
 def test_drives_of_one_session_are_fitted_together():
     sessions = [drives_of(SessionSpread(), 10 + number, 2) for number in range(3)]
     sessions[2] = [drive(90 + n, Truth(separation=1.1 * Truth().separation), seconds=60.0)
@@ -113,6 +116,7 @@ def test_drives_of_one_session_are_fitted_together():
     assert found.scale.value < WITHIN and found.curvature.value < WITHIN
 
 
+@pytest.mark.slow
 def test_the_spread_of_unequal_errors_is_unbiased_and_knows_its_error():
     """Draw estimates of 12 runs with errors of half to twice the spread, 4,000 times."""
     generator, errors = np.random.default_rng(8), np.geomspace(0.25, 1.0, 12)

@@ -63,6 +63,7 @@ def drawn(seed, k, body, noise=NOISE):
     return [replace(window, error=error) for window, error in zip(models(), errors)]
 
 
+@pytest.mark.slow
 def test_errors_of_wheels_choose_the_wheels():
     chosen = [choose_slip(drawn(seed, *WHEELS)).terms for seed in range(SEEDS)]
     assert chosen.count(('wheels',)) >= 0.9 * SEEDS
@@ -90,6 +91,7 @@ def test_a_body_that_slips_in_one_way_is_found(constant):
     assert chosen.count((constant,)) >= 2
 
 
+@pytest.mark.slow
 def test_the_best_set_is_the_one_whose_constants_all_pay():
     fit = choose_slip(drawn(1, *BODY), equal=False)
     assert fit.rivals[0].terms == fit.terms
@@ -113,6 +115,7 @@ def maxima(windows):
     return [_scored(data, np.maximum(start, least), least)[1] for start in starts]
 
 
+@pytest.mark.slow
 def test_of_two_maxima_far_apart_the_better_one_is_found():
     """As of a robot that is known by its commands, whose slip is not that of the wheels."""
     apart = []
@@ -125,6 +128,7 @@ def test_of_two_maxima_far_apart_the_better_one_is_found():
     assert max(apart) > 2.0  # there are two, and where a search starts decides
 
 
+@pytest.mark.slow
 def test_a_perfect_reference_lets_no_fit_collapse():
     """A covariance that is nearly singular would call a millimetre impossible."""
     turns = [window for window in models() if abs(window.body[0, 0, 0]) < 0.05]
@@ -145,6 +149,7 @@ def test_with_a_perfect_reference_the_slip_is_right():
     assert np.mean(found) == pytest.approx(WHEELS[0], rel=0.15)
 
 
+@pytest.mark.slow
 def test_stamps_that_jitter_are_no_slip_of_the_body():
     """They move the reference along its way, and most where it turns fast."""
     noise = NOISE._replace(sigma_time=8e-3)

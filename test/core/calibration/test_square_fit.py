@@ -29,7 +29,7 @@ SIDE, K = 2.0, 1e-6
 E_B, E_D = 1.02, 1.01
 SEEDS, FEWER_SEEDS, PARTS = 2000, 500, 5
 Z = 3.2905  # of 99.9 %, two-sided
-FEW_OR_SLOW = [3, *(pytest.param(n, marks=pytest.mark.slow) for n in (2, 4, 5))]
+FEW = [3, 2, 4, 5]
 
 
 def return_errors(generator, e_b, e_d, runs, clockwise, k=K):
@@ -94,7 +94,8 @@ def test_student_is_that_of_the_incomplete_beta_function(degrees):
             assert student_quantile(float(exact), degrees) == pytest.approx(t, rel=1e-9)
 
 
-@pytest.mark.parametrize('runs', FEW_OR_SLOW)
+@pytest.mark.slow
+@pytest.mark.parametrize('runs', FEW)
 def test_standard_errors_of_few_runs_cover_as_student_says_and_the_prediction_comes_true(runs):
     # In two passes: of wheels that are 1 % and 2 % off, and of what the first pass left.
     generator, e_b, e_d = np.random.default_rng(runs), np.full(SEEDS, E_B), np.full(SEEDS, E_D)

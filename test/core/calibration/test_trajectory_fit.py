@@ -226,6 +226,7 @@ def test_a_reference_that_sits_anywhere_on_the_robot_is_found(yaw, place):
     np.testing.assert_allclose([each.value for each in found(fit)[:6]], truth[:6], atol=1e-6)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('yaw', [-3.0, -1.6, 1.5, 3.1])
 def test_a_reference_turned_on_a_real_robot_gives_the_same_wheels(yaw):
     drives, nominal = [*map(encoder_drive, RUNS)], WheelGeometry(SEPARATION, RADIUS)
@@ -319,6 +320,7 @@ def test_the_course_of_these_tests_turns_both_ways_and_changes_its_speed():
     assert w.min() < -0.5 and w.max() > 0.5 and np.ptp(v) > 0.2
 
 
+@pytest.mark.slow
 def test_encoders_that_start_anew_do_not_change_the_slip():
     whole = drive(1, Truth(), Disturbance())
     angles, middle = whole.angles.copy(), len(whole.angles) // 2
@@ -339,6 +341,7 @@ def test_a_reference_of_another_time_is_named_as_such():
         fit_trajectory(GEOMETRY, [whole, other])
 
 
+@pytest.mark.slow
 def test_a_reference_in_degrees_is_not_taken_for_a_drive_that_tells_too_little():
     whole = drive(1, Truth(), Disturbance())
     degrees = drive_from_positions(

@@ -30,7 +30,6 @@ from diffdrive_kinematics.core.commands import AxisLimits, Drive, DriveSettings,
 from diffdrive_kinematics.core.kinematics import WheelGeometry
 import pytest
 from support.limit_laws import check_state, check_step, DIGITS, goal_of, Law, share_within
-from support.marks import rest_slow
 
 NAN = math.nan
 STILL = Twist(0.0, 0.0)
@@ -166,7 +165,7 @@ def time_to_rest(drive, equal):
     return (max if together else sum)(axes) + 4.0 / drive.settings.update_rate
 
 
-@pytest.mark.parametrize('block', rest_slow(range(BLOCKS)))
+@pytest.mark.parametrize('block', range(BLOCKS))
 def test_every_step_of_a_random_drive_keeps_every_limit_and_it_ends_at_rest(block):
     steps = 0
     for seed in range(block * CASES, (block + 1) * CASES):

@@ -141,6 +141,7 @@ def test_ten_thousand_samples_of_augmented_systems_and_as_many_extremes_lie_insi
     assert outside(x + 1j * y, ends).max() < 1e-6
 
 
+@pytest.mark.slow
 @smooth
 def test_what_augmented_systems_can_reach_comes_near_to_every_vertex(
         system, held, steps, disturbance, near):

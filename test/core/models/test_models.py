@@ -42,9 +42,7 @@ SMOOTH = {
         ROBOTS['car'], 'phi', bound=0.8), 'phi_rate', bound=2.0), 'phi_rate_rate', bound=9.0),
     'both': augmented(augmented(ROBOTS['Ackermann'], 'phi', bound=0.8), 's', bound=1.0)}
 EVERY = {**ROBOTS, **SMOOTH}
-every = pytest.mark.parametrize('system', [
-    pytest.param(system, id=name, marks=[pytest.mark.slow] * (name in ('both', 'steering jerk')))
-    for name, system in EVERY.items()])
+every = pytest.mark.parametrize('system', EVERY.values(), ids=EVERY)
 robot = pytest.mark.parametrize('system', ROBOTS.values(), ids=ROBOTS)
 fractions = st.lists(st.floats(-1.0, 1.0), min_size=8, max_size=8)
 places = st.tuples(st.floats(-9.0, 9.0), st.floats(-9.0, 9.0), st.floats(-math.pi, math.pi))

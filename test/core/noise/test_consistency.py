@@ -29,7 +29,6 @@ from diffdrive_kinematics.core.noise import (
     DISTRIBUTIONS, NO_COVARIANCE, propagated_covariance, sample_travel, WheelSlip)
 import numpy as np
 import pytest
-from support.marks import rest_slow
 
 GEOMETRY = WheelGeometry(0.4, 0.1)
 START = Pose(1.0, -2.0, math.pi)  # truth falls on both sides of the wrap
@@ -130,7 +129,7 @@ def test_the_belief_is_consistent_over_1000_runs(course):
     assert low < mean_nees(white) < high
 
 
-@pytest.mark.parametrize('distribution', rest_slow(DISTRIBUTIONS))
+@pytest.mark.parametrize('distribution', DISTRIBUTIONS)
 def test_every_distribution_has_the_covariance_of_its_variance(distribution):
     slip = WheelSlip(0.0, 1e-10, 'travel', distribution)
     assert_consistent('square', slip, slip, 20_000, seed=3)

@@ -30,7 +30,6 @@ from hypothesis import assume, given, settings, strategies as st
 import mpmath
 import numpy as np
 import pytest
-from support.marks import rest_slow
 
 LAW = settings(deadline=None, derandomize=True, max_examples=300)
 GEOMETRY = WheelGeometry(0.4, 0.1)
@@ -107,7 +106,7 @@ def lowest_eigenvalue(covariance, length):
 
 
 @pytest.mark.parametrize('distance', [0.0, 0.02, -1.0, 40.0])
-@pytest.mark.parametrize('heading', rest_slow([-2.0, 0.0]))
+@pytest.mark.parametrize('heading', [-2.0, 0.0])
 def test_slip_covariance_is_the_integral_for_turns_from_1e_12_to_6_rad(distance, heading):
     """Sweep across the change from series to closed form at 1 rad; measured 6e-15."""
     turns = [*np.logspace(-12.0, -2.0, 6), 0.1, 0.3, 0.5, 0.9, 0.999999, 1.0, 1.000001, 1.5, 3.1,
@@ -225,6 +224,7 @@ def test_motion_moves_errors_as_a_perturbed_start_moves(heading, distance, turn,
     assert there.matrix() == pytest.approx(expected, abs=1e-7 * np.trace(expected))
 
 
+@pytest.mark.slow
 @LAW
 @given(separations, headings, arcs, slips, slips)
 def test_the_covariance_is_positive_semidefinite(separation, heading, course, k_left, k_right):

@@ -66,6 +66,7 @@ def test_any_bits_give_finite_normals_within_6_66():
         normals, box_muller(np.array(words, np.uint64), len(normals)), rtol=0.0, atol=1e-6)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('source', [np.random.SFC64, np.random.MT19937])  # of 64 bits, of 32
 def test_the_distribution_is_normal(source):
     """Each count is off by its own root: chi^2 of 80 bins is 80 +- 13; seeded."""

@@ -28,7 +28,6 @@ from diffdrive_kinematics.core.noise.projection import (
     MOST_THREADS, propagate, ROWS, sample_paths, travel_of_command)
 import numpy as np
 import pytest
-from support.marks import rest_slow
 
 L = 0.0885
 GEOMETRY = WheelGeometry(L, 0.02)
@@ -73,7 +72,7 @@ def biased(d_left, d_right, slips):
 
 
 @COURSES
-@pytest.mark.parametrize('distribution', rest_slow(['uniform', 'gaussian']))
+@pytest.mark.parametrize('distribution', ['uniform', 'gaussian'])
 def test_one_step_has_the_statistics_of_many_within_1_percent(d_left, d_right, distribution):
     """A million samples: the ratio of two variances has a standard deviation of 0.2 %."""
     slips = [WheelSlip(slip.bias, slip.variance, distribution=distribution)
@@ -143,6 +142,7 @@ def lateral_stddev(d_left, d_right):
         (RIGHT.variance, d_right, (1.0 + LEFT.bias) * d_left))) / 12.0) / L
 
 
+@pytest.mark.slow
 def test_the_processor_does_not_change_a_bit_of_the_result():
     """Guard a seed that means other numbers on another machine: hide what this one can do."""
     program = """

@@ -25,7 +25,6 @@ from diffdrive_kinematics.core.noise import (
 from diffdrive_kinematics.core.noise import outline
 import numpy as np
 import pytest
-from support.marks import rest_slow
 
 L = 0.0885
 GEOMETRY = WheelGeometry(L, 0.02)
@@ -166,11 +165,12 @@ def test_no_sample_that_propagate_draws_is_outside(course, distribution, linear)
     assert excess(polygon, poses.x + 1j * poses.y) < 1e-6
 
 
-@pytest.mark.parametrize(('course', 'number', 'lateral'), rest_slow([
+@pytest.mark.slow
+@pytest.mark.parametrize(('course', 'number', 'lateral'), [
     ('arc', 1, False), ('straight', 1, False), ('straight', 2, False), ('straight', 1, True),
     ('arc', 2, False), ('arc', 1, True), ('long_turn', 1, False), ('long_turn', 2, False),
     ('in_place', 2, False), ('in_place', 1, True), ('u_turn', 2, False), ('reverse', 2, False),
-    ('arc', 2, True), ('straight', 3, False), ('long_turn', 3, False)]))
+    ('arc', 2, True), ('straight', 3, False), ('long_turn', 3, False)])
 def test_the_area_is_that_of_the_image_of_the_box_within_2_percent(course, number, lateral):
     stages = stages_of(course, number, lateral=lateral)
     bounds = number * (3 if lateral else 2)
@@ -180,10 +180,10 @@ def test_the_area_is_that_of_the_image_of_the_box_within_2_percent(course, numbe
     assert area(boundary_of(stages)) == pytest.approx(dense, rel=0.02)
 
 
-@pytest.mark.parametrize(('course', 'wheels', 'body'), rest_slow([
+@pytest.mark.parametrize(('course', 'wheels', 'body'), [
     ('arc', NONE, BodySlip(0.0, 4e-3, 1e-3, 'uniform')), ('straight', NONE, BODY),
     ('in_place', UNIFORM, BodySlip(0.0, 4e-3, 0.0, 'uniform')), ('arc', UNIFORM, BODY),
-    ('long_turn', UNIFORM, BODY)]))
+    ('long_turn', UNIFORM, BODY)])
 def test_the_area_with_slip_of_the_body_is_that_of_the_image_of_the_box(course, wheels, body):
     stages = stages_of(course, 1, wheels, wheels, body=body)
     assert area(boundary_of(stages)) == pytest.approx(
@@ -309,7 +309,7 @@ def test_pivots_and_other_stages_follow_each_other_in_any_order(rest):
     assert np.ptp(polygon.imag) < 1.02 * np.ptp(reached.imag)
 
 
-@pytest.mark.parametrize('number', rest_slow([4, 25]))
+@pytest.mark.parametrize('number', [4, 25])
 @pytest.mark.parametrize('kind', ['one_wheel', 'in_place'])
 def test_a_wheel_at_rest_or_a_turn_in_place_costs_at_most_twice_an_arc(kind, number):
     """Compare processor time, side by side: a wheel at rest took thirteen times that of an arc."""

@@ -17,7 +17,6 @@
 from diffdrive_kinematics.core.odometry import REMEMBERED_NS, SenderClocks
 from hypothesis import given, strategies as st
 import pytest
-from support.marks import rest_slow
 
 MS = 10**6
 S = 10**9
@@ -74,7 +73,8 @@ def test_senders_whose_clocks_differ_are_alive_side_by_side(many):
             assert age <= TIMEOUT or time < 3 * S
 
 
-@pytest.mark.parametrize('parts_per_million', rest_slow([-100, -20, 20, 100]))
+@pytest.mark.slow
+@pytest.mark.parametrize('parts_per_million', [-100, -20, 20, 100])
 def test_clocks_that_drift_apart_for_a_day_cost_no_message(parts_per_million):
     clocks, worst = CLOCKS, 0
     for time in range(0, 86_400 * S, 200 * MS):

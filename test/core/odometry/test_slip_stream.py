@@ -25,7 +25,6 @@ from diffdrive_kinematics.core.odometry import (
 from hypothesis import given, settings, strategies as st
 import numpy as np
 import pytest
-from support.marks import rest_slow
 
 LAW = settings(deadline=None, derandomize=True)
 MS = 1_000_000
@@ -84,7 +83,7 @@ def test_another_seed_gives_another_slip():
     assert passed(NOISY, samples, 1)[1] != passed(NOISY, samples, 2)[1]
 
 
-@pytest.mark.parametrize(('rate', 'seconds'), rest_slow([(20, 1000), (100, 500)]))
+@pytest.mark.parametrize(('rate', 'seconds'), [(20, 1000), (100, 500)])
 def test_travel_has_the_mean_and_variance_of_the_law_at_any_message_rate(rate, seconds):
     """Compare the travel of each second, with 99.9 % intervals."""
     period = S // rate
@@ -101,7 +100,8 @@ def test_travel_has_the_mean_and_variance_of_the_law_at_any_message_rate(rate, s
     assert abs(np.corrcoef(travel.T)[0, 1]) < Z / math.sqrt(seconds), 'wheels slip on their own'
 
 
-@pytest.mark.parametrize(('rate', 'seconds'), rest_slow([(100, 500), (20, 1000)]))
+@pytest.mark.slow
+@pytest.mark.parametrize(('rate', 'seconds'), [(100, 500), (20, 1000)])
 @pytest.mark.parametrize('rates', [(5.0, 4.0), (-3.0, 3.5), (4.0, 0.0)])
 def test_slip_of_the_body_moves_both_wheels_as_its_law_says(rate, seconds, rates):
     """Compare distance and turn of each second, beside slip of the wheels."""

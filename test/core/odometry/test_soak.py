@@ -51,6 +51,7 @@ def test_the_last_minutes_of_a_drive_of_30_hours_are_as_exact_as_the_first():
     assert abs(reading.angles[1] - ROLLED - rolled) < 1e-9
 
 
+@pytest.mark.slow
 def test_the_first_minutes_agree_to_the_last_digits():
     course = Course()
     reading = course.driven(LAPS)

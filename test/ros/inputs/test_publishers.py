@@ -110,6 +110,7 @@ def driver(diffdrive, capfd):
     return lambda *node, **options: Driver(diffdrive, capfd, *node, **options)
 
 
+@pytest.mark.slow
 @pytest.mark.ros
 @pytest.mark.parametrize('velocity', [False, True], ids=['positions', 'both'])
 @pytest.mark.parametrize('frame_id', ['', 'driver#1'])
@@ -127,6 +128,7 @@ def test_zeros_of_a_joint_state_publisher_beside_the_driver_are_reported_and_do_
     assert int(values['messages of other publishers']) > 10
 
 
+@pytest.mark.slow
 @pytest.mark.ros
 def test_zeros_that_were_there_first_give_way_to_the_driver(driver):
     driver = driver()
@@ -137,6 +139,7 @@ def test_zeros_that_were_there_first_give_way_to_the_driver(driver):
     assert SEVERAL in driver.output()
 
 
+@pytest.mark.slow
 @pytest.mark.ros
 def test_joint_states_of_an_arm_beside_the_driver_are_nothing_to_report(driver):
     driver = driver()

@@ -105,6 +105,7 @@ def test_a_path_that_was_cleared_begins_anew():
     assert_says(message.encode(), path_of('odom', [late], 3))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('kind', ['path', 'samples'])
 def test_many_poses_cost_a_small_part_of_what_message_objects_cost(kind):
     """Compare the time of the thread, side by side: 20,000 objects hold up a loop for 0.1 s."""
