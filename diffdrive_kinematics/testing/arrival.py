@@ -22,7 +22,7 @@ from rcl_interfaces.srv import GetParameters
 from rclpy.client import Client
 from rclpy.node import Node
 
-__all__ = ['Arrival']
+__all__ = ['Arrival', 'SERVICE']
 
 Gid = Tuple[int, ...]
 LONGEST_LOOK_S, REPEAT_S = 0.05, 0.5

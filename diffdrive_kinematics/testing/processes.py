@@ -14,6 +14,7 @@
 
 """Processes under test: started, watched, and ended whatever happens."""
 
+from contextlib import suppress
 import os
 import signal
 import subprocess
@@ -59,7 +60,7 @@ class Process:
             lockstep: bool, restless: bool = False) -> None:
         self.name, self.lockstep, self.restless = name, lockstep, restless
         self.nodes: Set[str] = set()
-        self._to_end = False
+        self._to_end, self._patience_s = False, PATIENCE_S
         self.shared_memory: Set[str] = set()
         self._file = tempfile.TemporaryFile(mode='w+', encoding='utf-8', errors='replace')
         self._popen = subprocess.Popen(
@@ -94,6 +95,12 @@ class Process:
         if self.status and not self._to_end:
             self._to_end = True
             raise ProcessFailed(self.describe(f'ended with status {self.status}'))
+
+    def await_end(self) -> None:
+        """Wait a while, once, for its end, as none of its nodes is there any more."""
+        patience, self._patience_s = self._patience_s, 0.0  # it may go on without them
+        with suppress(subprocess.TimeoutExpired):
+            self._popen.wait(patience)
 
     def describe(self, what: str = '') -> str:
         """Return its name, what is wrong with it or whether it runs, and its last output."""

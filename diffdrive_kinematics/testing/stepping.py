@@ -20,7 +20,7 @@ from typing import Any, Callable, Dict, List, Optional
 from diffdrive_kinematics.ros.messages.messages import set_stamp
 from diffdrive_kinematics.ros.parameters.qos import reliable
 from diffdrive_kinematics.testing.acknowledgements import Acknowledgements
-from diffdrive_kinematics.testing.arrival import Arrival
+from diffdrive_kinematics.testing.arrival import Arrival, SERVICE
 from diffdrive_kinematics.testing.at_rest import Rest, Threads
 from diffdrive_kinematics.testing.matching import has_publishers, has_subscribers
 from diffdrive_kinematics.testing.nodes import RobotNodes
@@ -89,6 +89,9 @@ class Stepping:
     def check(self, wait_for: Optional[str] = None) -> None:
         """Raise ``ProcessFailed`` before a step which the others would miss, or nobody answer."""
         for process in self.processes:
+            if process.running and process.nodes and not any(
+                    self._observer.count_services(name + SERVICE) for name in process.nodes):
+                process.await_end()
             process.check()
         if wait_for and not any(process.running for process in self.processes):
             raise ProcessFailed('\n'.join([

@@ -203,6 +203,19 @@ def test_of_long_lines_of_a_process_an_error_has_the_ends(diffdrive):
     assert len(str(raised.value)) < 40_000 < len(process.output)
 
 
+def test_a_process_that_dies_is_told_at_the_step_after_it(diffdrive, files):
+    path = files / 'dies.py'
+    path.write_text((files / 'my_planner.py').read_text().replace(
+        '        command = Twist()', '        command = Twist()\n'
+        '        if self.get_clock().now().nanoseconds > 500_000_000:\n'
+        "            raise RuntimeError('no plan')"))
+    robot = diffdrive(params=ROBOT)
+    robot.start_process([sys.executable, path])
+    with pytest.raises(ProcessFailed, match=r'dies.py ended with status 1[\s\S]*no plan'):
+        robot.advance(30.0)
+    assert 0.5 < robot.time < 0.6
+
+
 TEST_OF_DEATH = """
 import sys
 
