@@ -21,10 +21,10 @@ from diffdrive_kinematics.nodes.simulated_base import SimulatedBase
 from diffdrive_kinematics.ros.parameters.configuration_error import ConfigurationError
 from geometry_msgs.msg import Twist, TwistStamped
 import pytest
-from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
 from rcl_interfaces.srv import GetParameters, SetParameters, SetParametersAtomically
+from rclpy.parameter import Parameter
 from sensor_msgs.msg import JointState
-from support.graph import arguments, JOINTS, KHEPERA, twist, twist_stamped
+from support.graph import arguments, JOINTS, KHEPERA, twist
 from support.inside import initialised
 from support.stepped import last, messages, nodes, tell_wheels
 
@@ -32,19 +32,19 @@ CONTROLLER = 'diff_drive_controller'
 HELD = {**KHEPERA, 'cmd_vel_timeout': 0.0}
 
 
-def double(name, value):
-    return Parameter(name=name, value=ParameterValue(
-        type=ParameterType.PARAMETER_DOUBLE, double_value=value))
+def parameter(name, value):
+    return Parameter(name, value=value).to_parameter_msg()
 
 
-def text(name, value):
-    return Parameter(name=name, value=ParameterValue(
-        type=ParameterType.PARAMETER_STRING, string_value=value))
+def ask(robot, change, service=SetParameters):
+    """Let the controller change parameters; return its answer."""
+    name = 'set_parameters' + '_atomically' * (service is SetParametersAtomically)
+    return robot.call(service, f'{CONTROLLER}/{name}', service.Request(parameters=change))
 
 
-def integer(name, value):
-    return Parameter(name=name, value=ParameterValue(
-        type=ParameterType.PARAMETER_INTEGER, integer_value=value))
+def values_of(robot, *names):
+    return robot.call(GetParameters, f'{CONTROLLER}/get_parameters',
+                      GetParameters.Request(names=names)).values
 
 
 @pytest.mark.parametrize('v, w', [
@@ -124,39 +124,34 @@ def test_a_process_that_is_refused_its_parameters_ends_with_status_2_and_no_trac
         assert word in process.output
 
 
-def test_a_params_file_that_does_not_exist_is_named(graph):
-    process = graph.start(CONTROLLER, args=['--ros-args', '--params-file', 'no_such.yaml'])
+@pytest.mark.parametrize('args, word', [
+    (['--params-file', 'no_such.yaml'], 'no_such.yaml'),
+    (['-p', 'cmd_vel_topic:=my', 'topic'], "['topic']")], ids=['file', 'argument'])
+def test_a_params_file_or_an_argument_that_ros_does_not_know_is_named(graph, args, word):
+    process = graph.start(CONTROLLER, args=['--ros-args', *args])
     assert process.wait() == 2
-    assert 'no_such.yaml' in process.output and 'Traceback' not in process.output
-
-
-def test_an_argument_that_ros_does_not_know_is_named(graph):
-    process = graph.start(CONTROLLER, args=['--ros-args', '-p', 'cmd_vel_topic:=my', 'topic'])
-    assert process.wait() == 2
-    assert "['topic']" in process.output and 'Traceback' not in process.output
+    assert word in process.output and 'Traceback' not in process.output
 
 
 @pytest.mark.parametrize('change, words', [
-    (double('wheel_radius', 0.0), ['wheel_radius is 0.0', 'above 0']),
-    (double('wheel_radius', math.nan), ['wheel_radius is nan', 'above 0']),
-    (double('wheel_separation_multiplier', math.inf), ['wheel_separation_multiplier is inf']),
-    (text('wheel_radius', 'abc'), ["wheel_radius is 'abc'", 'a number']),
-    (double('linear.x.max_acceleration', -1.0), ['linear.x.max_acceleration is -1.0', 'above 0']),
+    (parameter('wheel_radius', 0.0), ['wheel_radius is 0.0', 'above 0']),
+    (parameter('wheel_radius', math.nan), ['wheel_radius is nan', 'above 0']),
+    (parameter('wheel_separation_multiplier', math.inf), ['wheel_separation_multiplier is inf']),
+    (parameter('wheel_radius', 'abc'), ["wheel_radius is 'abc'", 'a number']),
+    (parameter('linear.x.max_acceleration', -1.0),
+     ['linear.x.max_acceleration is -1.0', 'above 0']),
 ])
 @pytest.mark.ros
 def test_a_bad_parameter_at_run_time_is_refused_and_the_old_value_stays(
         diffdrive, capfd, change, words):
     robot = diffdrive(nodes(CONTROLLER), params=HELD)
-    get = GetParameters.Request(names=[change.name])
-    before = robot.call(GetParameters, f'{CONTROLLER}/get_parameters', get).values[0]
-    answer = robot.call(
-        SetParameters, f'{CONTROLLER}/set_parameters', SetParameters.Request(parameters=[change]))
+    before = values_of(robot, change.name)
+    answer = ask(robot, [change])
     assert not answer.results[0].successful
     output = capfd.readouterr().err
     for word in words:
         assert word in answer.results[0].reason and word in output
-    after = robot.call(GetParameters, f'{CONTROLLER}/get_parameters', get).values[0]
-    assert repr(after) == repr(before)
+    assert repr(values_of(robot, change.name)) == repr(before)
     robot.publish('cmd_vel', twist(0.021, 0.0))
     assert last(robot, 'wheel_rates').velocity[0] == pytest.approx(1.0, rel=1e-12)
 
@@ -164,19 +159,16 @@ def test_a_bad_parameter_at_run_time_is_refused_and_the_old_value_stays(
 @pytest.mark.ros
 def test_a_parameter_of_no_type_is_refused_and_what_comes_before_it_holds(diffdrive, capfd):
     robot = diffdrive(nodes(CONTROLLER), params=HELD)
-    odd = double('wheel_separation', 0.3)
+    odd = parameter('wheel_separation', 0.3)
     odd.value.type = 99
-    change = [double('wheel_radius', 0.042), odd, double('wheel_separation', 0.2)]
-    answer = robot.call(SetParameters, f'{CONTROLLER}/set_parameters',
-                        SetParameters.Request(parameters=change))
+    change = [parameter('wheel_radius', 0.042), odd, parameter('wheel_separation', 0.2)]
+    answer = ask(robot, change)
     assert [result.successful for result in answer.results] == [True, False, False]
     assert '99' in answer.results[1].reason and '99' in capfd.readouterr().err
-    answer = robot.call(SetParametersAtomically, f'{CONTROLLER}/set_parameters_atomically',
-                        SetParametersAtomically.Request(parameters=change))
+    answer = ask(robot, change, SetParametersAtomically)
     assert not answer.result.successful and '99' in answer.result.reason
-    names = GetParameters.Request(names=['wheel_radius', 'wheel_separation'])
-    answer = robot.call(GetParameters, f'{CONTROLLER}/get_parameters', names)
-    assert [value.double_value for value in answer.values] == [0.042, KHEPERA['wheel_separation']]
+    assert [value.double_value for value in values_of(
+        robot, 'wheel_radius', 'wheel_separation')] == [0.042, KHEPERA['wheel_separation']]
 
 
 @pytest.mark.ros
@@ -184,10 +176,8 @@ def test_geometry_can_be_changed_at_run_time_and_integers_are_accepted_for_doubl
     robot = diffdrive(nodes(CONTROLLER), params={**HELD, 'cmd_vel_timeout': 0})
     robot.publish('cmd_vel', twist(0.021, 0.0))
     for change, expected in (
-            (double('wheel_radius', 0.042), 0.5), (integer('wheel_radius', 1), 0.021)):
-        answer = robot.call(SetParameters, f'{CONTROLLER}/set_parameters',
-                            SetParameters.Request(parameters=[change]))
-        assert answer.results[0].successful
+            (parameter('wheel_radius', 0.042), 0.5), (parameter('wheel_radius', 1), 0.021)):
+        assert ask(robot, [change]).results[0].successful
         robot.advance(0.02)
         assert last(robot, 'wheel_rates').velocity[0] == pytest.approx(expected, rel=1e-12)
 
@@ -212,19 +202,12 @@ def test_commands_of_the_other_type_are_reported(graph, stamped):
         in controller.output
 
 
-@pytest.mark.ros
-def test_a_stamped_controller_listens_to_stamped_commands(diffdrive):
-    robot = diffdrive(nodes(CONTROLLER), params={**HELD, 'enable_stamped_cmd_vel': True})
-    robot.publish('cmd_vel', twist_stamped(0, 0.021, 0.0))
-    assert any(last(robot, 'wheel_rates').velocity)
-
-
 @pytest.mark.parametrize('name, positions, velocities, words', [
-    (['left_wheel_joint', 'right_wheel_joint'], [], [math.nan, 1.0], 'expected finite numbers'),
-    (['left_wheel_joint', 'right_wheel_joint'], [math.inf, 0.0], [], 'expected finite numbers'),
-    (['left_wheel_joint', 'right_wheel_joint'], [], [1.0], 'velocity has 1 values, expected 2'),
-    (['left_wheel_joint', 'right_wheel_joint'], [], [], 'at least one of them'),
-    (['left_wheel_joint', 'right_wheel_joint'], [], [1.7e308, 1.0], 'expected finite numbers'),
+    (JOINTS, [], [math.nan, 1.0], 'expected finite numbers'),
+    (JOINTS, [math.inf, 0.0], [], 'expected finite numbers'),
+    (JOINTS, [], [1.0], 'velocity has 1 values, expected 2'),
+    (JOINTS, [], [], 'at least one of them'),
+    (JOINTS, [], [1.7e308, 1.0], 'expected finite numbers'),
     (['left_wheel_joint'], [], [1.0], "expected also ['right_wheel_joint']"),
 ])
 @pytest.mark.ros

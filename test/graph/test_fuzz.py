@@ -38,7 +38,7 @@ from rclpy.parameter import Parameter
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Header
 from std_srvs.srv import Trigger
-from support.graph import JOINTS, KHEPERA, twist
+from support.graph import JOINTS, KHEPERA, odometry_of, twist, wheel_motion
 from support.inside import inside, START_NS
 
 BATCH = 40  # messages an example
@@ -290,15 +290,8 @@ def sane_drive(count):
     drive = []
     for number in range(count):
         rates = ((0.0, 0.0), (9.0, 14.0), (14.0, 9.0))[3 * number // count]
-        seen = Odometry()
-        seen.pose.pose.position.x, seen.pose.pose.position.y = pose.x, pose.y
-        seen.pose.pose.orientation.z, seen.pose.pose.orientation.w = (
-            math.sin(0.5 * pose.theta), math.cos(0.5 * pose.theta))
-        wheels = JointState(name=JOINTS, velocity=rates, position=angles)
-        for message in wheels, seen:
-            message.header.stamp.sec, message.header.stamp.nanosec = divmod(
-                990 * 10**9 + number * 200_000_000, 10**9)
-        drive.append((wheels, seen))
+        time_ns = 990 * 10**9 + number * 200_000_000
+        drive.append((wheel_motion(time_ns, angles, rates), odometry_of(time_ns, pose, '')))
         left, right = (0.021 * rate * 0.2 for rate in rates)
         pose = advance(pose, 0.5 * (left + right), (right - left) / 0.0885)
         angles = [angle + rate * 0.2 for angle, rate in zip(angles, rates)]

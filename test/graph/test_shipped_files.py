@@ -25,8 +25,8 @@ from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from sensor_msgs.msg import JointState
 from std_msgs.msg import String
-from support.graph import CONFIG, twist, wheel_motion
-from support.stepped import messages
+from support.graph import CONFIG, KHEPERA, twist, wheel_motion
+from support.stepped import messages, nodes
 import yaml
 
 FILES = sorted(CONFIG.glob('*.yaml'))
@@ -147,21 +147,13 @@ def test_nothing_is_said_of_the_sections_of_a_file_to_the_nodes_that_it_is_for(g
     assert 'section' not in sim.output
 
 
-DRIVER_AND_ODOMETRY = """\
-/**:
-  ros__parameters:
-    wheel_radius: 0.021
-    wheel_separation: 0.0885
-    enable_odom_tf: false
-    nodes: [diff_drive_controller, simulated_base, wheel_odometry]
-/**/wheel_odometry: {ros__parameters: {odom_topic: read}}
-"""
-
-
 @pytest.mark.ros
 def test_wheel_odometry_is_a_simulated_base_that_hears_the_robot(diffdrive, capfd):
     """Beside the simulated base of this process, which is the driver here."""
-    robot = diffdrive(yaml.safe_load(DRIVER_AND_ODOMETRY))
+    robot = diffdrive(
+        nodes('diff_drive_controller', 'simulated_base', 'wheel_odometry',
+              wheel_odometry={'odom_topic': 'read'}),
+        params={**KHEPERA, 'enable_odom_tf': False})
     robot.drive(0.0, 0.0, 0.1)
     robot.publish('cmd_vel', twist(0.1, 0.0))
     robot.advance(2.0)

@@ -52,10 +52,10 @@ class Machines:
     def __init__(self, directory, domain):
         self._directory, self._processes = directory, []
         self.names = [f'ddk{os.getpid()}{side}' for side in 'ab']
-        self._environment = {
+        self.environment = {
             **os.environ, 'ROS_AUTOMATIC_DISCOVERY_RANGE': 'SUBNET', 'PYTHONUNBUFFERED': '1',
             'ROS_DOMAIN_ID': str(domain), 'ROS_LOG_DIR': str(directory)}
-        self._environment.pop('ROS_LOCALHOST_ONLY', None)
+        self.environment.pop('ROS_LOCALHOST_ONLY', None)
 
     def wire(self):
         a, b = self.names
@@ -82,7 +82,7 @@ class Machines:
             self._processes.append(subprocess.Popen(
                 ['ip', 'netns', 'exec', name, sys.executable, *command],
                 stdin=subprocess.DEVNULL, stdout=file, stderr=subprocess.STDOUT,
-                env=self._environment))
+                env=self.environment))
         return path
 
     def node(self, name, executable, parameters):
@@ -98,14 +98,6 @@ class Machines:
         while not condition():
             assert time.monotonic() < deadline, f'{what}\n{self.outputs()}'
             select.select([], [], [], POLL_S)  # a look at a file is all that can be waited for
-
-    def export(self, name, value):
-        """Set a variable for what is started from now on."""
-        self._environment[name] = value
-
-    def unset(self, name):
-        """Let a variable be unset for what is started from now on."""
-        self._environment.pop(name, None)
 
     def outputs(self):
         return '\n'.join(path.read_text()[-2000:] for path in sorted(self._directory.iterdir())
@@ -215,7 +207,7 @@ def test_the_demo_is_heard_on_another_machine_only_where_the_user_says_so(machin
     """A robot in the same laboratory that listens to Twist would obey."""
     a, b = machines.names
     ears = Ears(machines, machines.start(b, str(WATCHER)))
-    machines.unset('ROS_AUTOMATIC_DISCOVERY_RANGE')
+    reach = machines.environment.pop('ROS_AUTOMATIC_DISCOVERY_RANGE')
     demo = '-c', START.format('diffdrive_sim'), '--ros-args', '-p', 'real_time_factor:=1.0'
     report = machines.start(a, *demo)
     machines.wait_for(lambda: ' 2.4 of 24.0 s' in report.read_text(), 'some of the demo')
@@ -223,7 +215,7 @@ def test_the_demo_is_heard_on_another_machine_only_where_the_user_says_so(machin
     assert 'on this machine only' in report.read_text()
     ears.read()
     assert not ears.odom and not ears.wheels
-    machines.export('ROS_AUTOMATIC_DISCOVERY_RANGE', 'SUBNET')
+    machines.environment['ROS_AUTOMATIC_DISCOVERY_RANGE'] = reach
     report = machines.start(a, *demo)
     ears.wait_for(lambda: ears.odom[-1][1] > 0.0, 'the demo')
     assert machines.interrupt_last() == 0, machines.outputs()

@@ -34,7 +34,7 @@ from rclpy.qos import qos_profile_sensor_data
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState
 from std_srvs.srv import Trigger
-from support.graph import JOINTS, KHEPERA, set_stamp
+from support.graph import clock_at, JOINTS, KHEPERA, put, set_stamp, wheel_motion
 from support.recorded import RADIUS, RUNS, SEPARATION, TICKS_PER_TURN
 
 SIDE = 12.0 * KHEPERA['wheel_separation']
@@ -225,9 +225,24 @@ def drive_samples(seconds, seed=3):
         pose = advance(pose, 0.5 * (d_left + d_right), (d_right - d_left) / separation)
 
 
-def written_multipliers(text, node):
+def assert_found(written, rel=3e-3, node='wheel_odometry', truth=TRUTH):
+    """Compare what a file says of a node's wheels."""
+    text = written.read_text()
     section = text[text.index(f'/**/{node}:'):]
-    return {name: float(re.search(rf'{name}: (\S+)', section)[1]) for name in TRUTH}
+    found = {name: float(re.search(rf'{name}: (\S+)', section)[1]) for name in truth}
+    assert found == pytest.approx(truth, rel=rel)
+
+
+@pytest.fixture
+def collecting(graph, tmp_path):
+    """Return what starts a calibration by topics; it returns the process and its file."""
+    def start(**settings):
+        written = tmp_path / 'found.yaml'
+        return graph.start('calibrate', {
+            **KHEPERA, 'output': str(written), 'reference_type': 'pose',
+            'reference_topic': 'tracker', **settings}), written
+
+    return start
 
 
 def live_drive(graph, kind):
@@ -236,15 +251,10 @@ def live_drive(graph, kind):
 
     def drive(start_ns):
         for time, (left, right), pose in drive_samples(40.0):
-            joints = JointState(name=JOINTS[::-1], position=[float(right), float(left)])
-            seen = kind()
-            for message in (joints, seen):
-                set_stamp(message, start_ns + round(time * 1e9))
-            at = seen.pose.pose if kind is Odometry else seen.pose
-            at.position.x, at.position.y = float(pose.x), float(pose.y)
-            at.orientation.z, at.orientation.w = (
-                math.sin(0.5 * pose.theta), math.cos(0.5 * pose.theta))
-            wheels.publish(joints)
+            stamp_ns, seen = start_ns + round(time * 1e9), kind()
+            set_stamp(seen, stamp_ns)
+            put(seen.pose.pose if kind is Odometry else seen.pose, *pose)
+            wheels.publish(wheel_motion(stamp_ns, [right, left], names=JOINTS[::-1]))
             tracker.publish(seen)
             graph.executor.spin_once(timeout_sec=0.002)
 
@@ -253,11 +263,8 @@ def live_drive(graph, kind):
 
 @pytest.mark.parametrize('reference_type, use_sim_time', [('odometry', False), ('pose', True)])
 def test_live_topics_are_collected_until_finish_is_called(
-        graph, tmp_path, reference_type, use_sim_time):
-    written = tmp_path / 'found.yaml'
-    calibrate = graph.start('calibrate', {
-        **KHEPERA, 'output': str(written), 'reference_type': reference_type,
-        'reference_topic': 'tracker', 'use_sim_time': use_sim_time})
+        graph, collecting, reference_type, use_sim_time):
+    calibrate, written = collecting(reference_type=reference_type, use_sim_time=use_sim_time)
     kind = Odometry if reference_type == 'odometry' else PoseStamped
     drive = live_drive(graph, kind)
     too_early = graph.call(Trigger, 'calibrate/finish', Trigger.Request())
@@ -266,10 +273,10 @@ def test_live_topics_are_collected_until_finish_is_called(
     start = graph.now_ns()
     if use_sim_time:
         set_time = graph.publisher(Clock, '/clock').publish
-        set_time(Clock(clock=Time(sec=start // 10**9)))
+        set_time(clock_at(start))
     drive(start)
     if use_sim_time:  # it passes once, and stands still from there on
-        set_time(Clock(clock=Time(sec=start // 10**9 + 40)))
+        set_time(clock_at(start + 40 * 10**9))
     graph.wait_for(lambda: 'deg turned' in calibrate.output, 'a line of what there is')
     answer = graph.call(Trigger, 'calibrate/finish', Trigger.Request())
     assert answer.success, answer.message
@@ -286,7 +293,7 @@ def test_live_topics_are_collected_until_finish_is_called(
     text = written.read_text()
     assert text.index('/**:') < text.index('/**/')
     for node in ('diff_drive_controller', 'wheel_odometry', 'simulated_base', 'calibrate'):
-        assert written_multipliers(text, node) == pytest.approx(TRUTH, rel=3e-3)
+        assert_found(written, node=node)
     assert float(re.search(r'right_bias: (\S+)', text)[1]) == pytest.approx(0.01, abs=3e-3)
 
 
@@ -317,10 +324,8 @@ def test_wheels_and_a_reference_of_different_clocks_are_named_as_such():
         collection.drives()
 
 
-def test_a_reference_that_is_published_as_sensor_data_is_heard(graph, tmp_path):
-    calibrate = graph.start('calibrate', {
-        **KHEPERA, 'output': str(tmp_path / 'found.yaml'), 'reference_type': 'pose',
-        'reference_topic': 'tracker'})
+def test_a_reference_that_is_published_as_sensor_data_is_heard(graph, collecting):
+    calibrate, _ = collecting()
     graph.wait_for(lambda: 'collecting' in calibrate.output, 'the start')
     tracker = graph.node.create_publisher(PoseStamped, 'tracker', qos_profile_sensor_data)
 
@@ -344,11 +349,8 @@ def test_a_collection_that_is_interrupted_writes_nothing(graph, tmp_path):
 
 @pytest.mark.parametrize('number', [signal.SIGINT, signal.SIGTERM], ids=lambda each: each.name)
 def test_ctrl_c_finishes_a_live_calibration_and_the_end_of_a_system_does_not(
-        graph, tmp_path, number):
-    written = tmp_path / 'found.yaml'
-    calibrate = graph.start('calibrate', {
-        **KHEPERA, 'output': str(written), 'reference_type': 'pose',
-        'reference_topic': 'tracker'})
+        graph, collecting, number):
+    calibrate, written = collecting()
     live_drive(graph, PoseStamped)(graph.now_ns())
     graph.wait_for(lambda: 'deg turned' in calibrate.output, 'a line of what there is')
     assert calibrate.stop(number) == 0
@@ -356,8 +358,7 @@ def test_ctrl_c_finishes_a_live_calibration_and_the_end_of_a_system_does_not(
         assert 'nothing is written' in calibrate.output and not written.exists()
         return
     assert calibrate.output.rstrip().endswith(f'wrote {written}')
-    assert written_multipliers(written.read_text(), 'wheel_odometry') == pytest.approx(
-        TRUTH, rel=3e-3)
+    assert_found(written)
 
 
 @pytest.mark.parametrize('number', [signal.SIGINT, signal.SIGTERM])
@@ -415,8 +416,7 @@ def test_files_of_every_kind_of_motion_find_the_wheels(ran, tmp_path):
         settings = files_of(
             tmp_path, header, [(time, *row) for time, row in zip(times, columns)], poses)
         ran('calibrate', *settings, *more, f'output:={written}', 'overwrite:=true')
-        assert written_multipliers(written.read_text(), 'wheel_odometry') == pytest.approx(
-            TRUTH, rel=2e-3), header
+        assert_found(written, rel=2e-3)
 
 
 @pytest.mark.ros
@@ -428,8 +428,7 @@ def test_of_rows_with_one_stamp_the_last_wins_and_the_table_counts_them(ran, tmp
                         [(time, *pose) for time, _, pose in samples])
     written = tmp_path / 'found.yaml'
     assert '1 rows were replaced' in ran('calibrate', *settings, f'output:={written}')
-    assert written_multipliers(written.read_text(), 'wheel_odometry') == pytest.approx(
-        TRUTH, rel=3e-3)
+    assert_found(written)
 
 
 STRAIGHT = [(0.1 * n, 0.5 * n, 0.5 * n) for n in range(300)]
@@ -463,5 +462,4 @@ def test_a_recorded_robot_is_calibrated_and_its_picture_drawn(ran, tmp_path):
         f"recordings:=[{', '.join(map(str, RUNS))}]", f'picture:={picture}',
         geometry=['--ros-args'])
     assert picture.read_bytes().startswith(b'<?xml')
-    found = written_multipliers(written.read_text(), 'wheel_odometry')
-    assert found['wheel_separation_multiplier'] == pytest.approx(1.006, abs=0.003)
+    assert_found(written, 0.003, truth={'wheel_separation_multiplier': 1.006})

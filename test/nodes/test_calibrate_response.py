@@ -46,19 +46,20 @@ def recording(path):
     return str(path)
 
 
-def calibrate(graph, directory, *settings):
-    """Run calibrate in a directory; return the process."""
-    process = graph.start('calibrate', args=['--ros-args', *(
+@pytest.fixture
+def calibrate(here, tmp_path):
+    """Return what calibrates by a recording, with settings, in a directory."""
+    return lambda *settings: here('calibrate', ['--ros-args', *(
         part for setting in (
             'wheel_radius:=0.05', 'wheel_separation:=0.3', 'fit_response:=true',
-            f"output:={directory / 'found.yaml'}", f"picture:={directory / 'found.svg'}",
-            *settings) for part in ('-p', setting))])
-    return process
+            f"recordings:=[{recording(tmp_path / 'drive.csv')}]",
+            f"output:={tmp_path / 'found.yaml'}", f"picture:={tmp_path / 'found.svg'}", *settings)
+        for part in ('-p', setting))])
 
 
-def test_the_response_and_the_slip_that_are_written_are_those_of_the_robot(graph, tmp_path):
-    process = calibrate(
-        graph, tmp_path, f"recordings:=[{recording(tmp_path / 'drive.csv')}]")
+@pytest.mark.slow
+def test_the_response_and_the_slip_that_are_written_are_those_of_the_robot(calibrate, tmp_path):
+    process = calibrate()
     assert process.wait() == 0, process.output
     sections = yaml.safe_load((tmp_path / 'found.yaml').read_text())
     written = sections['/**/diff_drive_controller']['ros__parameters']
@@ -76,10 +77,8 @@ def test_the_response_and_the_slip_that_are_written_are_those_of_the_robot(graph
     assert (tmp_path / 'found.svg').exists()
 
 
-def test_wheels_that_are_known_already_are_refused_with_a_response(graph, tmp_path):
-    process = calibrate(
-        graph, tmp_path, f"recordings:=[{recording(tmp_path / 'drive.csv')}]",
-        'wheel_separation_multiplier:=1.1')
+def test_wheels_that_are_known_already_are_refused_with_a_response(calibrate, tmp_path):
+    process = calibrate('wheel_separation_multiplier:=1.1')
     assert process.wait() == 2
     assert 'wheel_separation_multiplier is 1.1, expected 1.0 with fit_response' in process.output
     assert not (tmp_path / 'found.yaml').exists()

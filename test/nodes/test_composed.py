@@ -29,7 +29,8 @@ from nav_msgs.msg import Odometry, Path
 import pytest
 from rclpy.qos import QoSProfile
 from sensor_msgs.msg import JointState
-from support.graph import JOINTS, KHEPERA, set_stamp, Twist, twist
+from support.graph import JOINTS, KHEPERA, odometry_of, set_stamp, Twist, twist
+import yaml
 
 CONTROLLER = 'diff_drive_controller'
 TIMEOUT_S, RATE = 0.5, 50.0
@@ -58,9 +59,7 @@ def wheels():
 
 def standing():
     """Return odometry of a robot that stands."""
-    message = Odometry()
-    message.header.frame_id, message.pose.pose.orientation.w = 'odom', 1.0
-    return message
+    return odometry_of(0, (0.0, 0.0, 0.0))
 
 
 WORST = {
@@ -153,13 +152,11 @@ def test_a_controller_keeps_its_rate_and_its_timeout_beside_any_node_at_its_wors
         graph, tmp_path, kind):
     worst = WORST[kind]
     file = tmp_path / 'composed.yaml'
-    file.write_text(''.join(
-        f'/**/{node}:\n  ros__parameters: {parameters}\n'.replace('True', 'true').replace(
-            'False', 'false') for node, parameters in (
-            ('diffdrive_sim', {'nodes': [f'{CONTROLLER}:composed/{CONTROLLER}',
-                                         f'{kind}:composed/{kind}']}),
-            (CONTROLLER, DRIVE), (kind, worst.parameters))))
-    sim = graph.start('diffdrive_sim', args=['--ros-args', '--params-file', str(file)])
+    file.write_text(yaml.safe_dump({
+        f'/**/{node}': {'ros__parameters': parameters} for node, parameters in (
+            ('diffdrive_sim', {'nodes': [f'{each}:composed/{each}' for each in (
+                CONTROLLER, kind)]}), (CONTROLLER, DRIVE), (kind, worst.parameters))}))
+    sim = graph.start('diffdrive_sim', None, '--params-file', str(file))
     graph.start(CONTROLLER, DRIVE, '-r', '__ns:=/alone')
     came = {topic: count() for _, topic in worst.wanted}
     numbers = dict.fromkeys(came, 0)

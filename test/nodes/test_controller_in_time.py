@@ -116,17 +116,21 @@ class Robot:
             Parameter(name.replace('__', '.'), value=value) for name, value in parameters.items()])
         assert all(result.successful for result in results), results
 
-    def wait(self, seconds, command=None):
-        """Let time pass; with a command it is given in each step."""
+    def wait(self, seconds, command=None, then=None):
+        """Let time pass, with a command in each step; ``then`` is the speed [m/s] after it."""
         for _ in range(round(seconds * S / STEP)):
             self.clock.advance_by(STEP)
             if command is not None:
                 self.command(command)
             for timer in self.clock.due():
                 self.clock.fire(timer)
+        assert then is None or self.speed() == (then and pytest.approx(then))
+
+    def speeds(self, begin=0):
+        return [message.velocity[0] * 0.021 for message in self.told[begin:]]
 
     def speed(self):
-        return self.told[-1].velocity[0] * 0.021
+        return self.speeds(-1)[0]
 
     def latest_ns(self):
         return max(
@@ -153,15 +157,12 @@ def robot(monkeypatch):
 def test_a_shorter_timeout_ends_the_live_command_in_time_and_what_follows_is_obeyed(
         robot, timeout, limits):
     driven = robot(cmd_vel_timeout=timeout, **limits)
-    driven.wait(1.0, SPEED)
-    assert driven.speed() == pytest.approx(SPEED)
+    driven.wait(1.0, SPEED, then=SPEED)
     driven.configure(cmd_vel_timeout=0.5)
-    driven.wait(0.45)
-    assert driven.speed() == pytest.approx(SPEED)
+    driven.wait(0.45, then=SPEED)
     driven.wait(1.0)
     assert driven.speed() == 0.0 and driven.latest_ns() <= driven.clock.now_ns()
-    driven.wait(1.0, -SPEED)
-    assert driven.speed() == pytest.approx(-SPEED)
+    driven.wait(1.0, -SPEED, then=-SPEED)
     driven.wait(1.0, 0.0)
     assert driven.speed() == 0.0 and driven.latest_ns() <= driven.clock.now_ns()
 
@@ -171,29 +172,24 @@ def test_another_parameter_that_is_set_does_not_put_the_timeout_off(robot):
     driven.wait(0.1, SPEED)
     driven.wait(0.4)
     driven.configure(max_wheel_rate=100.0)
-    driven.wait(0.2)
-    assert driven.speed() == 0.0
+    driven.wait(0.2, then=0.0)
 
 
 @pytest.mark.parametrize('step', [-S // 50, -S * 3 // 10, -S * 9 // 10, -3600 * S])
 @pytest.mark.parametrize('limits', [{}, {'linear.x.max_acceleration': 2.0}], ids=['', 'ramps'])
 def test_a_wall_clock_that_is_set_back_does_not_put_off_the_end_of_a_command(robot, step, limits):
     driven = robot(WallClock, **limits)
-    driven.wait(1.0, SPEED)
-    assert driven.speed() == pytest.approx(SPEED)
+    driven.wait(1.0, SPEED, then=SPEED)
     driven.clock.ahead_ns += step
-    driven.wait(0.45)
-    assert driven.speed() == pytest.approx(SPEED)
-    driven.wait(0.1 + (0.12 if limits else 0.0))
-    assert driven.speed() == 0.0
+    driven.wait(0.45, then=SPEED)
+    driven.wait(0.1 + (0.12 if limits else 0.0), then=0.0)
 
 
 def test_a_wall_clock_that_is_set_back_does_not_put_off_a_stop_in_mid_ramp(robot):
     driven = robot(WallClock, **RAMPS)
     driven.wait(0.2, SPEED)
     driven.clock.ahead_ns -= S * 9 // 10
-    driven.wait(0.25, 0.0)
-    assert driven.speed() == 0.0
+    driven.wait(0.25, 0.0, then=0.0)
 
 
 @pytest.mark.parametrize('clock', [SetClock, WallClock])
@@ -201,11 +197,11 @@ def test_a_ramp_steps_at_its_own_rate_however_rarely_the_rates_are_repeated(robo
     driven = robot(clock, publish_rate=0.01, cmd_vel_timeout=0.3, **RAMPS)
     driven.command(SPEED)
     driven.wait(0.29)
-    up = [message.velocity[0] * 0.021 for message in driven.told]
+    up = driven.speeds()
     assert up == pytest.approx([0.005 * (k + 1) for k in range(len(up))]) and len(up) == 29
     driven.wait(0.4)
     assert driven.speed() == 0.0, 'the end of a command does not wait for a repeat'
-    down = [message.velocity[0] * 0.021 for message in driven.told[30:]]
+    down = driven.speeds(30)
     assert down == pytest.approx([0.145 - 0.005 * k for k in range(len(down))])
 
 
@@ -231,8 +227,7 @@ def test_a_ramp_goes_on_at_its_pace_when_the_wall_clock_is_set(robot, step):
     driven.clock.ahead_ns += step
     driven.wait(0.1, SPEED)
     assert driven.speed() == pytest.approx(0.15, abs=0.006)
-    driven.wait(0.2, SPEED)
-    assert driven.speed() == pytest.approx(SPEED)
+    driven.wait(0.2, SPEED, then=SPEED)
 
 
 def test_another_update_rate_holds_in_mid_ramp(robot):
@@ -241,7 +236,7 @@ def test_another_update_rate_holds_in_mid_ramp(robot):
     driven.configure(update_rate=20.0)
     told = len(driven.told)
     driven.wait(0.2)
-    steps = [message.velocity[0] * 0.021 for message in driven.told[told - 1:]]
+    steps = driven.speeds(told - 1)
     assert [b - a for a, b in zip(steps, steps[1:])] == pytest.approx([0.5 / 20.0] * 4)
 
 
@@ -261,11 +256,10 @@ def test_stamped_commands_are_obeyed_at_once_when_the_wall_clock_was_set_back(ro
 
 def test_a_simulated_clock_that_is_told_rarely_does_not_stand(robot):
     driven = robot(SlowClock, use_sim_time=True, **RAMPS)
-    driven.wait(8.0, 2.0 * SPEED)
-    assert driven.speed() == pytest.approx(2.0 * SPEED)
+    driven.wait(8.0, 2.0 * SPEED, then=2.0 * SPEED)
     begun = len(driven.told)
     driven.wait(6.0, SPEED)
-    speeds = [message.velocity[0] * 0.021 for message in driven.told[begun:]]
+    speeds = driven.speeds(begun)
     assert speeds[-1] == pytest.approx(SPEED) and min(speeds) >= SPEED - 1e-9
     assert max(a - b for a, b in zip(speeds, speeds[1:])) <= 0.5 / 50.0 + 1e-9
 
@@ -276,8 +270,7 @@ def test_a_simulated_clock_that_was_told_rarely_and_stands_brings_the_wheels_to_
     driven.clock.stands = True
     driven.wait(1.5, 0.1)
     assert driven.speed() <= 0.1
-    driven.wait(0.1, 0.0)
-    assert driven.speed() == 0.0
+    driven.wait(0.1, 0.0, then=0.0)
     told = len(driven.told)
     driven.wait(1.0, 0.0)
     assert len(driven.told) > told + 5 and driven.speed() == 0.0  # said again
@@ -288,8 +281,7 @@ def test_while_a_clock_stands_wheels_at_rest_keep_the_target(robot):
                    **{'linear.x.max_velocity': 0.0})
     driven.wait(2.0, SPEED)
     driven.clock.stands = True
-    driven.wait(2.0)
-    assert driven.speed() == 0.0
+    driven.wait(2.0, then=0.0)
     driven.configure(linear__x__max_velocity=0.1)
     assert driven.speed() == pytest.approx(0.1)
 
@@ -323,7 +315,7 @@ def test_what_waits_in_the_queue_when_a_stall_ends_is_heard_before_anything_is_e
     driven.clock.advance_by(2 * S)
     driven.wait(0.1)
     assert not waiting
-    speeds = [message.velocity[0] * 0.021 for message in driven.told[told:]]
+    speeds = driven.speeds(told)
     assert speeds and speeds == pytest.approx([SPEED] * len(speeds))
 
 
@@ -375,8 +367,7 @@ def test_no_command_is_obeyed_before_what_may_be_latched_on_the_stop_has_come(ro
     assert driven.speed() == 0.0 and {driven.speed()} == {*(
         message.velocity[0] for message in driven.told)}
     driven.node._stop._on_topic(Bool(data=False))
-    driven.wait(0.1, SPEED)
-    assert driven.speed() == pytest.approx(SPEED)
+    driven.wait(0.1, SPEED, then=SPEED)
 
 
 @pytest.mark.parametrize('durability, seconds', [
@@ -385,10 +376,8 @@ def test_a_stop_whose_publisher_says_nothing_holds_the_robot_for_a_moment_only(
         robot, durability, seconds):
     driven = robot(WallClock, emergency_stop_topic='stop')
     publishers(driven, durability)
-    driven.wait(seconds - 0.1, SPEED)
-    assert driven.speed() == 0.0
-    driven.wait(0.2, SPEED)
-    assert driven.speed() == pytest.approx(SPEED)
+    driven.wait(seconds - 0.1, SPEED, then=0.0)
+    driven.wait(0.2, SPEED, then=SPEED)
 
 
 def test_neither_a_slow_start_nor_a_stall_shortens_the_time_in_which_a_stop_may_come(robot):
@@ -397,12 +386,10 @@ def test_neither_a_slow_start_nor_a_stall_shortens_the_time_in_which_a_stop_may_
         driven.clock.advance_by(3 * S)
         driven.wait(0.2, SPEED)
     assert driven.speed() == 0.0
-    driven.wait(1.0, SPEED)
-    assert driven.speed() == pytest.approx(SPEED)
+    driven.wait(1.0, SPEED, then=SPEED)
 
 
 def test_a_stop_that_says_it_is_off_lets_the_next_command_through_at_once(robot):
     driven = robot(WallClock, emergency_stop_topic='stop')
     driven.node._stop._on_topic(Bool(data=False))
-    driven.wait(0.1, SPEED)
-    assert driven.speed() == pytest.approx(SPEED)
+    driven.wait(0.1, SPEED, then=SPEED)

@@ -26,7 +26,7 @@ from nav_msgs.msg import Odometry
 import numpy as np
 import pytest
 from sensor_msgs.msg import JointState
-from support.graph import KHEPERA, set_stamp, stamp_ns, wheel_motion
+from support.graph import KHEPERA, odometry_of, stamp_ns, wheel_motion
 from support.health import statuses_of, WARN, with_health
 from support.stepped import messages, nodes, tell_wheels
 
@@ -37,26 +37,15 @@ SETTINGS = {
     'slip_distribution': 'uniform', 'samples': 20_000, 'stages': 1, 'command_timeout': 0.0}
 BODY = {'linear_slip_variance': 1e-3, 'turn_slip_variance': 0.02, 'heading_slip_variance': 0.01,
         'stages': 3}
-START = (3.0, -2.0, 2.5)
+START, STAMP_NS = (3.0, -2.0, 2.5), 7_000_000_001
 TOLERANCE = 1e-6  # m: float32 at a few metres
-
-
-def odometry_at(start, time_ns=7_000_000_001):
-    """Return the odometry of a pose."""
-    odometry = Odometry()
-    odometry.header.frame_id = 'odom'
-    set_stamp(odometry, time_ns)
-    odometry.pose.pose.position.x, odometry.pose.pose.position.y = start[:2]
-    odometry.pose.pose.orientation.z = math.sin(0.5 * start[2])
-    odometry.pose.pose.orientation.w = math.cos(0.5 * start[2])
-    return odometry
 
 
 def tell(graph):
     """Tell where the robot is and what its wheels do; return the publisher of odometry."""
     graph.publisher(JointState, 'wheel_rates').publish(
         wheel_motion(graph.now_ns(), velocity=[6.0, 9.0]))
-    return graph.publisher(Odometry, 'odom'), odometry_at(START)
+    return graph.publisher(Odometry, 'odom'), odometry_of(STAMP_NS, START)
 
 
 def project(graph, settings):
@@ -77,7 +66,7 @@ def projected(diffdrive, settings, seconds=0.1, start=START, rates=(6.0, 9.0)):
         robot.listen(kind, topic)
     tell_wheels(robot, velocity=rates)
     for _ in range(round(seconds / 0.05)):
-        robot.publish('odom', odometry_at(start))
+        robot.publish('odom', odometry_of(STAMP_NS, start))
         robot.advance(0.06)
     return robot, *(messages(robot, topic) for topic in ('projected_poses', 'projected_boundary'))
 
@@ -149,7 +138,7 @@ def test_projections_have_the_stamp_and_frame_of_the_odometry_and_start_from_its
         diffdrive, {**KHEPERA, 'publish_rate': 20.0, 'command_timeout': 0.0, 'samples': 3,
                     'horizon': 4.0}, rates=(5.0, 5.0))
     for message in (poses[-1], boundaries[-1]):
-        assert (message.header.frame_id, stamp_ns(message)) == ('odom', 7_000_000_001)
+        assert (message.header.frame_id, stamp_ns(message)) == ('odom', STAMP_NS)
     distance = 5.0 * KHEPERA['wheel_radius'] * 4.0
     expected = START[0] + distance * math.cos(START[2]), START[1] + distance * math.sin(START[2])
     assert positions(poses[-1]) == pytest.approx(np.array([expected] * 3), abs=1e-9)
@@ -182,10 +171,10 @@ def test_a_robot_whose_wheels_have_fallen_silent_stays_where_it_is(diffdrive):
 def test_an_odometry_that_is_not_finite_is_refused_and_the_next_is_projected(diffdrive, capfd):
     robot, poses, _ = projected(diffdrive, {**SETTINGS, 'samples': 5})
     assert poses
-    robot.publish('odom', odometry_at((math.nan, 0.0, 0.0)))
+    robot.publish('odom', odometry_of(STAMP_NS, (math.nan, 0.0, 0.0)))
     robot.advance(0.1)
     assert "refused message on 'odom'" in capfd.readouterr().err
-    robot.publish('odom', odometry_at((9.0, 0.0, 0.0)))
+    robot.publish('odom', odometry_of(STAMP_NS, (9.0, 0.0, 0.0)))
     robot.advance(0.1)
     assert robot.history('projected_poses')[-1].message.poses[0].position.x > 8.0
 
@@ -244,7 +233,7 @@ def test_a_clock_that_is_not_that_of_the_stamps_is_named_and_projections_are_rig
     for number in range(50):
         at_ns = round((stamps_s + 0.06 * number) * 1e9)
         tell_wheels(robot, velocity=[5.0, 5.0], at_ns=at_ns)
-        robot.publish('odom', odometry_at((0.0, 0.0, 0.0), at_ns))
+        robot.publish('odom', odometry_of(at_ns, (0.0, 0.0, 0.0)))
         robot.advance(0.06)
     found = [status for status in statuses_of(robot, '/forward_projection')
              if 'use_sim_time' in status[1]]

@@ -22,7 +22,7 @@ from geometry_msgs.msg import PoseStamped, Twist
 from nav_msgs.msg import Odometry, Path as PathMessage
 import pytest
 from sensor_msgs.msg import JointState
-from support.graph import CONFIG, KHEPERA, pose_of, set_stamp, stamp_ns
+from support.graph import CONFIG, KHEPERA, odometry_of, pose_of, put, stamp_ns
 from support.stepped import last, nodes, refusal, time_ns
 
 pytestmark = pytest.mark.ros
@@ -34,9 +34,7 @@ QUICK = {**FAST, 'distance_gain': 2.0, 'heading_gain': 6.0, 'publish_rate': 50.0
 def stamped_pose(x, y, theta=0.0, frame_id='odom'):
     message = PoseStamped()
     message.header.frame_id = frame_id
-    message.pose.position.x, message.pose.position.y = x, y
-    message.pose.orientation.z, message.pose.orientation.w = (
-        math.sin(0.5 * theta), math.cos(0.5 * theta))
+    put(message.pose, x, y, theta)
     return message
 
 
@@ -51,11 +49,8 @@ class StandIn:
         self.robot.publish('goal_pose', goal)
 
     def tell(self, at_ns=None):
-        message = Odometry()
-        message.header.frame_id = self.frame_id
-        message.pose.pose.orientation.w = 1.0
-        set_stamp(message, time_ns(self.robot) if at_ns is None else at_ns)
-        self.robot.publish('odom', message)
+        self.robot.publish('odom', odometry_of(
+            time_ns(self.robot) if at_ns is None else at_ns, (0.0, 0.0, 0.0), self.frame_id))
 
     def until(self, condition, tell=True):
         """Let time pass until a condition holds."""

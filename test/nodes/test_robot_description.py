@@ -20,9 +20,9 @@ from diffdrive_kinematics.core.kinematics import WheelGeometry
 from diffdrive_kinematics.ros.messages.urdf import Shape, urdf_of
 from diffdrive_kinematics.ros.messages.wheel_joints import WheelJoints
 import pytest
-from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
 from rcl_interfaces.srv import SetParameters
 import rclpy
+from rclpy.parameter import Parameter
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from std_msgs.msg import String
 from support.graph import arguments, KHEPERA
@@ -118,8 +118,7 @@ def test_a_late_listener_gets_the_description_and_every_change_of_geometry(graph
            - numbers(joints['rl'].find('origin'), 'xyz')[0])
     assert gap > 2 * 0.021  # they do not touch
     graph.call(SetParameters, 'robot_description/set_parameters', SetParameters.Request(
-        parameters=[Parameter(name='wheel_radius', value=ParameterValue(
-            type=ParameterType.PARAMETER_DOUBLE, double_value=0.042))]))
+        parameters=[Parameter('wheel_radius', value=0.042).to_parameter_msg()]))
     graph.wait_for(lambda: len(heard) == 2, 'the new description')
     joints = parsed(heard[1].data)[2]
     assert numbers(joints['fl'].find('origin'), 'xyz')[2] == pytest.approx(0.042)

@@ -29,6 +29,7 @@ import time
 
 from diffdrive_kinematics.core.kinematics import Pose
 from geometry_msgs.msg import Twist, TwistStamped
+from nav_msgs.msg import Odometry
 import rclpy
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.qos import QoSProfile
@@ -36,6 +37,7 @@ from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Empty
 from support.killing import delete_left, kill
+import yaml
 
 DEADLINE_S = 90.0
 ANSWER_S = 10.0
@@ -134,6 +136,13 @@ class Graph:
             {**self._environment, **(environment or {})}, cwd, before)
         self.processes.append(process)
         return process
+
+    def simulate(self, directory, *members, **parameters):
+        """Start nodes in one process, by a params file that holds for all of them."""
+        file = directory / 'simulation.yaml'
+        file.write_text(yaml.safe_dump({
+            '/**': {'ros__parameters': {'nodes': list(members), **parameters}}}))
+        return self.start('diffdrive_sim', None, '--params-file', str(file))
 
     def close(self):
         """
@@ -275,6 +284,21 @@ def wheel_motion(time_ns, position=(), velocity=(), *, names=JOINTS, frame_id=''
                          velocity=[float(value) for value in velocity])
     set_stamp(message, time_ns)
     message.header.frame_id = frame_id
+    return message
+
+
+def put(message, x, y, yaw):
+    """Write a pose in the plane into a message of the kind Pose."""
+    message.position.x, message.position.y = float(x), float(y)
+    message.orientation.z, message.orientation.w = math.sin(0.5 * yaw), math.cos(0.5 * yaw)
+
+
+def odometry_of(time_ns, pose, frame='odom', child=''):
+    """Return the Odometry of a robot that stands."""
+    message = Odometry(child_frame_id=child)
+    message.header.frame_id = frame
+    set_stamp(message, time_ns)
+    put(message.pose.pose, *pose)
     return message
 
 

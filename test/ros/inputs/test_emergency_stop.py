@@ -118,24 +118,12 @@ def test_a_stop_that_was_latched_before_the_controller_started_holds(graph):
     robot.assert_stands()
 
 
-COURSE = """
-/**:
-  ros__parameters:
-    {wheel_radius: 0.021, wheel_separation: 0.0885, enable_odom_tf: false,
-     enable_stamped_cmd_vel: true, stamp_tolerance: 60.0, cmd_vel_timeout: 0.0,
-     command_timeout: 0.0, emergency_stop_topic: stop, commands: [0.2, 0.0, 2.0],
-     wait_for_topics: [odom]}
-/**/diffdrive_sim:
-  ros__parameters:
-    nodes: [diff_drive_controller, simulated_base, command_sequence]
-"""
-
-
 def test_a_course_beside_a_stop_that_nobody_publishes_is_driven_whole(graph, tmp_path):
-    (tmp_path / 'course.yaml').write_text(COURSE)
-    sim = graph.start('diffdrive_sim', args=[
-        '--ros-args', '--params-file', str(tmp_path / 'course.yaml')])
-    graph.wait_for(lambda: not sim.running, 'the course to end')
+    sim = graph.simulate(
+        tmp_path, CONTROLLER, 'simulated_base', 'command_sequence', **KHEPERA,
+        enable_odom_tf=False, enable_stamped_cmd_vel=True, stamp_tolerance=60.0,
+        cmd_vel_timeout=0.0, command_timeout=0.0, emergency_stop_topic='stop',
+        commands=[SPEED, 0.0, 2.0], wait_for_topics=['odom'])
     assert sim.wait() == 0, sim.output
     x, _, _ = map(float, sim.output.splitlines()[-1].split()[-3:])
     assert x == SPEED * 2.0, sim.output

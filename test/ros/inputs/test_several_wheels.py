@@ -16,9 +16,9 @@
 
 import math
 
-from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 import pytest
 from support.graph import JOINTS, KHEPERA, pose_of
+from support.health import statuses_of, WARN, with_health
 from support.stepped import last, nodes, tell_wheels, time_ns
 
 pytestmark = pytest.mark.ros
@@ -36,9 +36,8 @@ class Wheels:
     """Says what wheels do, message by message, and sees where the base is then."""
 
     def __init__(self, diffdrive, capfd, parameters):
-        self.robot = diffdrive(
-            nodes('simulated_base'), params=parameters, clock_step=0.5 * STEP_S)
-        self.robot.listen(DiagnosticArray, '/diagnostics')
+        self.robot = with_health(diffdrive(
+            nodes('simulated_base'), params=parameters, clock_step=0.5 * STEP_S))
         self._capfd, self._output = capfd, ''
 
     def say(self, names, position=(), velocity=(), at_ns=None):
@@ -59,9 +58,10 @@ class Wheels:
         self.robot.advance(STEP_S)
         return last(self.robot, 'odom')
 
-    def statuses(self):
-        return [status for each in self.robot.history('/diagnostics')
-                for status in each.message.status]
+    def said(self, words):
+        """Return the levels of the statuses with some words."""
+        return [level for level, text, _ in statuses_of(self.robot, '/simulated_base')
+                if words in text]
 
     def assert_at(self, x, yaw=0.0, tolerance=1e-9):
         odometry = self.odometry()
@@ -72,8 +72,7 @@ class Wheels:
         self.robot.advance(1.0)
         for word in words:
             assert word in self.output()
-        assert any(status.level == DiagnosticStatus.WARN and words[0] in status.message
-                   for status in self.statuses())
+        assert WARN in self.said(words[0])
 
 
 @pytest.fixture
@@ -128,7 +127,7 @@ def test_wheels_that_differ_by_some_per_cent_are_nothing_to_report(wheels_of):
     wheels.assert_at(RADIUS * angles[-1])
     wheels.robot.advance(1.5)
     assert 'disagree' not in wheels.output()
-    assert not any('disagree' in status.message for status in wheels.statuses())
+    assert not wheels.said('disagree')
 
 
 def test_a_single_wheel_that_says_nan_is_refused_as_there_is_nothing_else_to_use(wheels_of):
@@ -162,7 +161,7 @@ def test_boards_with_clocks_of_their_own_are_reported(wheels_of):
         for joint, apart_ns in zip(JOINTS, (0, 50 * 10**9)):
             wheels.say([joint], [0.0], at_ns=time_ns(wheels.robot) + apart_ns)
     assert "stamps of 'left_wheel_joint' on '/wheel_rates' are 50." in wheels.output()
-    assert any('a clock of its own' in status.message for status in wheels.statuses())
+    assert wheels.said('a clock of its own')
     wheels.assert_reported("stamps of 'left_wheel_joint'", 'a clock of its own')
 
 

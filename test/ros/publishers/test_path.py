@@ -19,7 +19,7 @@ from geometry_msgs.msg import PoseWithCovarianceStamped
 from nav_msgs.msg import Path
 import pytest
 from support.graph import CONFIG, KHEPERA, stamp_ns
-from support.stepped import last, nodes, refusal, tell_wheels
+from support.stepped import last, messages, nodes, refusal, tell_wheels
 
 pytestmark = pytest.mark.ros
 
@@ -36,10 +36,6 @@ def rolling(diffdrive, rate, **settings):
     return robot
 
 
-def paths_of(robot, topic='way'):
-    return [each.message for each in robot.history(topic)]
-
-
 def spots(path):
     return [(pose.pose.position.x, pose.pose.position.y) for pose in path.poses]
 
@@ -47,7 +43,7 @@ def spots(path):
 def test_the_path_has_published_poses_that_are_far_enough_apart(diffdrive):
     robot = rolling(diffdrive, 5.0, path_spacing=0.03, initial_pose=[1.0, 2.0, math.pi / 2])
     robot.advance(2.0)
-    path = paths_of(robot)[-1]
+    path = last(robot, 'way')
     assert len(path.poses) > 5 and path.header.frame_id == 'map'
     assert stamp_ns(path) == stamp_ns(path.poses[-1])
     published = {stamp_ns(each.message): each.message.pose.pose for each in robot.history('odom')}
@@ -61,7 +57,7 @@ def test_the_path_has_published_poses_that_are_far_enough_apart(diffdrive):
 def test_the_path_is_bounded_and_loses_its_oldest_poses(diffdrive):
     robot = rolling(diffdrive, 1.0, path_length=4, path_spacing=0.0)
     robot.advance(1.0)
-    paths = paths_of(robot)
+    paths = messages(robot, 'way')
     first = next(path for path in paths if path.poses)
     assert len(paths[-1].poses) == 4 and spots(paths[-1])[0][0] > spots(first)[-1][0]
     assert max(len(path.poses) for path in paths) == 4
@@ -70,11 +66,11 @@ def test_the_path_is_bounded_and_loses_its_oldest_poses(diffdrive):
 def test_a_path_without_news_is_told_only_to_who_has_come_since(diffdrive):
     robot = rolling(diffdrive, 0.0)
     robot.advance(2.0)
-    path, = paths_of(robot)
+    path, = messages(robot, 'way')
     assert len(path.poses) == 1
     robot.listen(Path, 'way')
     robot.advance(1.0)
-    assert paths_of(robot) == [path, path]
+    assert messages(robot, 'way') == [path, path]
 
 
 def test_without_a_topic_there_is_no_path(diffdrive):
@@ -100,7 +96,7 @@ def test_the_demo_shows_the_paths_of_belief_and_truth(diffdrive):
     for topic in ('path', 'ground_truth_path'):
         robot.listen(Path, topic)
     robot.advance(25.0)
-    belief, truth = (paths_of(robot, topic)[-1] for topic in ('path', 'ground_truth_path'))
+    belief, truth = (last(robot, topic) for topic in ('path', 'ground_truth_path'))
     assert len(belief.poses) > 40 and len(truth.poses) > 40
     assert (belief.header.frame_id, truth.header.frame_id) == ('odom', 'map')
     assert spots(belief)[0] == spots(truth)[0] == (0.0, 0.0)
@@ -111,7 +107,7 @@ def test_a_robot_that_is_put_elsewhere_has_a_path_from_there_on_in_its_prefixed_
     robot = rolling(diffdrive, 5.0, path_spacing=0.01, tf_frame_prefix_enable=True,
                     tf_frame_prefix='r2/')
     robot.advance(0.5)
-    path = paths_of(robot)[-1]
+    path = last(robot, 'way')
     assert len(path.poses) > 3 and path.header.frame_id == 'r2/map'
     place = PoseWithCovarianceStamped()
     place.header.frame_id = 'r2/map'

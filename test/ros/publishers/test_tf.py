@@ -16,11 +16,9 @@
 
 import math
 
-from diffdrive_kinematics.core.kinematics import advance, Pose
-from diffdrive_kinematics.core.kinematics import compose
-from nav_msgs.msg import Odometry
+from diffdrive_kinematics.core.kinematics import advance, compose, Pose
 import pytest
-from support.graph import KHEPERA, set_stamp, stamp_ns
+from support.graph import KHEPERA, odometry_of, stamp_ns
 from support.stepped import last, nodes, refusal, tell_wheels
 from support.tf import transforms_of
 
@@ -50,13 +48,7 @@ def rolled(pose, left, right, seconds):
 
 
 def belief(time_ns, pose=Pose(0.3, -0.2, 1.0), frame='odom', base='base_link'):
-    message = Odometry(child_frame_id=base)
-    message.header.frame_id = frame
-    set_stamp(message, time_ns)
-    message.pose.pose.position.x, message.pose.pose.position.y = pose.x, pose.y
-    message.pose.pose.orientation.z = math.sin(0.5 * pose.theta)
-    message.pose.pose.orientation.w = math.cos(0.5 * pose.theta)
-    return message
+    return odometry_of(time_ns, pose, frame, base)
 
 
 def unstamped(message):

@@ -14,7 +14,6 @@
 
 """A simulation that steps its time keeps to itself, or says that it is not alone and fails."""
 
-from pathlib import Path
 import re
 
 from diffdrive_kinematics.ros.runtime.alone import UNNAMED
@@ -24,23 +23,12 @@ from nav_msgs.msg import Odometry
 import pytest
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState
-from support.graph import twist
+from support.graph import CONFIG, KHEPERA, twist, x_of
 
-CONFIG = Path(__file__).parents[3] / 'config'
 DRIFT = re.compile(r'^drift.*$', re.M)
 FACTORS = 4.0, 1.0, 1.0  # in seconds to find the other one: 6, 24, 24
 FAST = ['--ros-args', '-p', 'real_time_factor:=0.0']
 PUBLISHED_BY = rf"FATAL.*'/\w+' is published by (/\w+|{UNNAMED}) of another process"
-DRIVEN = """\
-/**:
-  ros__parameters:
-    wheel_radius: 0.021
-    wheel_separation: 0.0885
-    enable_odom_tf: false
-    nodes: [diff_drive_controller, simulated_base]
-    clock_step: 0.01
-    real_time_factor: 1.0
-"""
 
 
 def test_two_demos_in_one_domain_give_no_wrong_number(graph):
@@ -91,16 +79,15 @@ def test_another_publisher_of_what_the_nodes_say_to_each_other_ends_the_drive(
 
 def test_a_stepped_robot_may_be_driven_from_outside(graph, tmp_path):
     """Nothing within the process publishes commands, and nobody else its wheel rates."""
-    file = tmp_path / 'driven.yaml'
-    file.write_text(DRIVEN)
-    sim = graph.start('diffdrive_sim', args=['--ros-args', '--params-file', str(file)])
+    sim = graph.simulate(tmp_path, 'diff_drive_controller', 'simulated_base', **KHEPERA,
+                         enable_odom_tf=False, clock_step=0.01, real_time_factor=1.0)
     odometry = graph.collect(Odometry, 'odom')
     commands = graph.publisher(Twist, 'cmd_vel')
     joints = graph.node.create_publisher(JointState, 'joint_states', 1)  # heard by nobody there
 
     def moved():
         commands.publish(twist(0.1, 0.0))
-        return odometry and odometry[-1].pose.pose.position.x > 0.03
+        return odometry and x_of(odometry) > 0.03
 
     graph.wait_for(moved, 'the robot to drive')
     assert joints.get_subscription_count() == 0

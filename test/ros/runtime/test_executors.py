@@ -44,18 +44,9 @@ def test_a_base_works_in_an_executor_that_knows_nothing_of_its_timers(kind):
 
 @pytest.mark.parametrize('executor', ['single_threaded', 'events', 'auto'])
 def test_a_robot_drives_and_stops_on_every_executor(graph, executor, tmp_path):
-    params = tmp_path / 'robot.yaml'
-    params.write_text(f"""
-/**:
-  ros__parameters:
-    nodes: [diff_drive_controller, simulated_base]
-    executor: {executor}
-    enable_odom_tf: false
-    cmd_vel_timeout: 0.2
-    wheel_radius: {KHEPERA['wheel_radius']}
-    wheel_separation: {KHEPERA['wheel_separation']}
-""")
-    sim = graph.start('diffdrive_sim', args=['--ros-args', '--params-file', str(params)])
+    sim = graph.simulate(
+        tmp_path, 'diff_drive_controller', 'simulated_base', **KHEPERA, executor=executor,
+        enable_odom_tf=False, cmd_vel_timeout=0.2)
     odometry = graph.collect(Odometry, 'odom')
     rates = graph.collect(JointState, 'wheel_rates')
     commands = graph.publisher(Twist, 'cmd_vel')

@@ -19,7 +19,7 @@ import struct
 
 from nav_msgs.msg import Odometry
 from std_msgs.msg import Empty
-from support.graph import stamp_ns
+from support.graph import KHEPERA, stamp_ns
 
 REPEATS = 10
 PACE = 20.0  # times real time: so that the observer can follow on a loaded machine, too
@@ -71,24 +71,11 @@ def test_the_demos_course_gives_bitwise_the_same_odometry_and_truth_every_time(g
     assert compared > (REPEATS - 2) * 2 * 24 * 50 / 4
 
 
-AT_ONCE = """\
-/**:
-  ros__parameters:
-    wheel_radius: 0.021
-    wheel_separation: 0.0885
-    enable_odom_tf: false
-    commands: [0.5, 0.0, 2.0]
-    nodes: [diff_drive_controller, simulated_base, command_sequence]
-    real_time_factor: 0.0
-    clock_step: 0.01
-"""
-
-
 def test_a_course_that_begins_at_the_first_step_moves_the_base_from_there_on(graph, tmp_path):
     """The controller says at one time that the wheels stand and that they turn."""
-    settings = tmp_path / 'at_once.yaml'
-    settings.write_text(AT_ONCE)
-    sim = graph.start('diffdrive_sim', args=['--ros-args', '--params-file', str(settings)])
+    sim = graph.simulate(
+        tmp_path, 'diff_drive_controller', 'simulated_base', 'command_sequence', **KHEPERA,
+        enable_odom_tf=False, commands=[0.5, 0.0, 2.0], real_time_factor=0.0, clock_step=0.01)
     assert sim.wait() == 0
     assert 'out of order' not in sim.output
     assert re.search(r'belief \(/simulated_base\) +1\.0000 +0\.0000', sim.output)
