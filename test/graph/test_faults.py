@@ -29,7 +29,7 @@ import pytest
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState
 from support.graph import (
-    KHEPERA, pose_of, set_stamp, SimulatedTime, stamp_ns, twist, x_of)
+    assert_pose, KHEPERA, pose_of, set_stamp, SimulatedTime, stamp_ns, twist, x_of)
 from support.relay import composed, merging_error, Relay
 from support.stepped import messages, nodes
 
@@ -41,12 +41,6 @@ HOUR_NS = 3600 * 10**9
 SPEED = 0.2  # [m/s]
 NO_TIMES = [Time(sec=sec, nanosec=nanosec) for sec, nanosec in (
     (-1, 0), (-2**31, 5), (2**31 - 1, 0), (100, 10**9), (2**31 - 1, 2**32 - 1))]
-
-
-def assert_pose(message, expected, within=1e-9):
-    x, y, yaw = pose_of(message)
-    assert math.hypot(x - expected.x, y - expected.y) < within
-    assert abs(math.remainder(yaw - expected.theta, math.tau)) < 1e-9
 
 
 def is_still(message):
@@ -73,7 +67,7 @@ def test_a_base_whose_controller_was_killed_at_speed_stops_exactly_after_the_tim
     rates = [message for message in messages(robot, 'wheel_rates') if any(message.velocity)]
     seconds = (stamp_ns(rates[-1]) - stamp_ns(rates[0])) / 1e9 + TIMEOUT_S
     assert is_still(messages(robot, 'odom')[-1])
-    assert_pose(messages(robot, 'odom')[-1], advance(
+    assert_pose(pose_of(messages(robot, 'odom')[-1]), advance(
         Pose(0.0, 0.0, 0.0), SPEED * seconds, 0.7 * seconds))
 
 
@@ -155,7 +149,7 @@ def test_messages_that_are_lost_late_or_doubled_cost_no_angle_and_only_their_own
     assert is_still(pose) and is_still(whole) and not any([*joints.velocity, *wheels.velocity])
     first = next(number for number, message in enumerate(relay.came) if message.position)
     came = relay.came[max(0, first - 1):]
-    assert_pose(whole, composed(GEOMETRY, came))
+    assert_pose(pose_of(whole), composed(GEOMETRY, came))
     assert list(joints.position) == pytest.approx(list(wheels.position), abs=1e-12)
     heading, expected = pose_of(pose).theta, pose_of(whole).theta
     assert abs(math.remainder(heading - expected, math.tau)) < 1e-12

@@ -22,7 +22,8 @@ from geometry_msgs.msg import TwistStamped
 from nav_msgs.msg import Odometry
 import pytest
 from sensor_msgs.msg import JointState
-from support.graph import KHEPERA, pose_of, stamp_ns, twist, twist_stamped, x_of
+from support.graph import (
+    assert_pose, KHEPERA, pose_of, stamp_ns, twist, twist_stamped, x_of)
 from support.relay import composed
 from support.stepped import messages, nodes
 
@@ -43,13 +44,6 @@ def at_rest_after(odometry, time_ns):
     return [message for message in odometry
             if stamp_ns(message) > time_ns and message.twist.twist.linear.x == 0.0
             and message.twist.twist.angular.z == 0.0]
-
-
-def assert_same_pose(message, expected):
-    x, y, yaw = pose_of(message)
-    assert x == pytest.approx(expected.x, abs=1e-9)
-    assert y == pytest.approx(expected.y, abs=1e-9)
-    assert math.remainder(yaw - expected.theta, math.tau) == pytest.approx(0.0, abs=1e-9)
 
 
 @pytest.mark.ros
@@ -80,7 +74,7 @@ def test_stamped_commands_compose_exactly_at_the_stamps_that_were_sent(
         expected = advance(expected, held[0] * seconds, held[1] * seconds)
         held, since = command, stamp
     robot.advance(0.12)
-    assert_same_pose(at_rest_after(messages(robot, 'odom'), since)[-1], expected)
+    assert_pose(pose_of(at_rest_after(messages(robot, 'odom'), since)[-1]), expected)
 
 
 @pytest.mark.quick
@@ -105,7 +99,7 @@ def test_stamped_commands_that_come_late_and_all_at_once_compose_exactly_too(gra
     final = graph.wait_for(
         lambda: [message for message in at_rest_after(odometry, start)
                  if math.dist(pose_of(message), expected) < 1e-8], 'the robot at the end')[-1]
-    assert_same_pose(final, expected)
+    assert_pose(pose_of(final), expected)
 
 
 @pytest.mark.ros
@@ -119,4 +113,4 @@ def test_plain_twists_compose_exactly_at_the_stamps_in_wheel_rates(
         assert tuple(rates[-1].velocity) == wheel_rates_from_twist(GEOMETRY, *command)
         robot.advance(0.125)
     final = at_rest_after(messages(robot, 'odom'), stamp_ns(rates[-1]))[-1]
-    assert_same_pose(final, composed(GEOMETRY, rates))
+    assert_pose(pose_of(final), composed(GEOMETRY, rates))

@@ -19,6 +19,7 @@ import math
 
 from diffdrive_kinematics.core.kinematics import wrap_angle
 import pytest
+from support.graph import assert_pose
 from support.recorded import (
     end_error, implied_commands, load, offline_pose, RADIUS, RUNS, SEPARATION, wheel_positions)
 from support.stepped import nodes, tell_wheels
@@ -57,9 +58,7 @@ def test_recorded_encoders_give_the_odometry_that_offline_integration_gives(diff
         rows = load(run)
         pose = replay_encoders(diffdrive, rows)
         expected = offline_pose(rows)
-        assert pose.x == pytest.approx(expected.x, abs=1e-9)
-        assert pose.y == pytest.approx(expected.y, abs=1e-9)
-        assert wrap_angle(pose.yaw - expected.theta) == pytest.approx(0.0, abs=1e-9)
+        assert_pose(pose, expected)
         errors.append(end_error(pose, rows))
     assert sum(errors) / len(errors) == pytest.approx(0.064, abs=0.002)
 

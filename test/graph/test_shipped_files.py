@@ -14,6 +14,7 @@
 
 """The params files of ``config/``: what they promise holds, for nodes one by one too."""
 
+from itertools import count
 import re
 
 from diffdrive_kinematics.ros.parameters.tables import TABLES
@@ -25,7 +26,7 @@ from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from sensor_msgs.msg import JointState
 from std_msgs.msg import String
-from support.graph import CONFIG, KHEPERA, twist, wheel_motion
+from support.graph import CONFIG, KHEPERA, twist, wheel_motion, x_of
 from support.stepped import messages, nodes
 import yaml
 
@@ -80,20 +81,6 @@ def params(name, *extra):
     return ['--ros-args', '--params-file', str(CONFIG / name), *extra]
 
 
-def heard(graph, joints, condition):
-    """Publish joint states that go on until the condition holds, and return its value."""
-    position = 0.0
-
-    def look():
-        nonlocal position
-        position += 0.1
-        joints.publish(wheel_motion(graph.now_ns(), [position, position], names=[
-            'wheel_right_joint', 'wheel_left_joint']))
-        return condition()
-
-    return graph.wait_for(look, 'odometry')
-
-
 def test_the_nodes_of_robot_yaml_do_the_same_each_by_itself(graph):
     processes = [graph.start(name, args=params('robot.yaml')) for name in (
         'diff_drive_controller', 'wheel_odometry', 'robot_description')]
@@ -103,9 +90,14 @@ def test_the_nodes_of_robot_yaml_do_the_same_each_by_itself(graph):
     described = []
     graph.node.create_subscription(String, 'robot_description', described.append, QoSProfile(
         depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL))
-    joints = graph.publisher(JointState, 'joint_states')
-    moved = heard(graph, joints, lambda: odometry and odometry[-1].pose.pose.position.x > 0.01
-                  and odometry[-1])
+    joints, positions = graph.publisher(JointState, 'joint_states'), count(step=0.1)
+
+    def driven():
+        joints.publish(wheel_motion(graph.now_ns(), [next(positions)] * 2, names=[
+            'wheel_right_joint', 'wheel_left_joint']))
+        return odometry and x_of(odometry) > 0.01 and odometry[-1]
+
+    moved = graph.wait_for(driven, 'odometry')
     assert (moved.header.frame_id, moved.child_frame_id) == ('odom', 'base_footprint')
     assert graph.node.count_publishers('joint_states') == 1  # the driver's
     commands = graph.publisher(Twist, 'cmd_vel')

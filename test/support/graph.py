@@ -315,6 +315,12 @@ def pose_of(message):
     return Pose(at.x, at.y, 2.0 * math.atan2(orientation.z, orientation.w))
 
 
+def assert_pose(pose, expected, within=1e-9):
+    """Compare poses in the plane."""
+    assert math.dist(pose[:2], expected[:2]) < within
+    assert abs(math.remainder(pose[2] - expected[2], math.tau)) < 1e-9
+
+
 def x_of(odometry):
     """Return how far ahead the last of the messages is."""
     return odometry[-1].pose.pose.position.x

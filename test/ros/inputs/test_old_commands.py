@@ -128,11 +128,15 @@ def test_clocks_that_are_known_to_be_apart_are_no_age(robot_with, capfd, offset)
     assert OLD not in capfd.readouterr().err
 
 
+def started(graph, before='', **parameters):
+    """Start a controller; return it, what it tells, and what publishes commands."""
+    controller = graph.start(CONTROLLER, {**KHEPERA, **parameters}, environment=UDP, before=before)
+    return controller, graph.collect(JointState, 'wheel_rates'), graph.publisher(Twist, 'cmd_vel')
+
+
 @EXECUTORS
 def test_what_lay_in_the_queue_while_the_process_was_stopped_is_not_driven(graph, executor):
-    controller = graph.start(CONTROLLER, {**KHEPERA, 'executor': executor}, environment=UDP)
-    rates = graph.collect(JointState, 'wheel_rates')
-    commands = graph.publisher(Twist, 'cmd_vel')
+    controller, rates, commands = started(graph, executor=executor)
     graph.wait_for(lambda: rates, 'rates')
     controller.send(signal.SIGSTOP)
     for _ in range(5):
@@ -162,12 +166,8 @@ def test_a_stall_while_commands_flow_sends_no_needless_stop(graph, executor, lim
     A process that is stopped as a whole has a middleware that may bring no command for half a
     second afterwards, so that a stop is right: there only the rest is asked for.
     """
-    controller = graph.start('diff_drive_controller', {
-        **KHEPERA, **limits, 'executor': executor, 'cmd_vel_timeout': TIMEOUT_S},
-        environment=UDP, before=BUSY)
-    rates = graph.collect(JointState, 'wheel_rates')
-    commands = graph.publisher(Twist, 'cmd_vel')
-
+    controller, rates, commands = started(
+        graph, BUSY, **limits, executor=executor, cmd_vel_timeout=TIMEOUT_S)
     told_at = []
 
     def flowing(condition):
@@ -209,9 +209,7 @@ def test_a_stall_while_commands_flow_sends_no_needless_stop(graph, executor, lim
 
 
 def test_a_command_that_ended_during_a_stall_is_over_when_the_process_goes_on(graph):
-    controller = graph.start(CONTROLLER, KHEPERA, environment=UDP)
-    rates = graph.collect(JointState, 'wheel_rates')
-    commands = graph.publisher(Twist, 'cmd_vel')
+    controller, rates, commands = started(graph)
     graph.wait_for(lambda: rates, 'rates')
     send = obeyed_once(controller, lambda: commands.publish(twist(SPEED, 0.0)))
     graph.wait_for(lambda: send() or turning(rates), 'the robot to drive')

@@ -41,7 +41,6 @@ import sys
 
 from diffdrive_kinematics.testing import spin
 import rclpy
-from rclpy.parameter import Parameter
 from sensor_msgs.msg import JointState
 
 
@@ -51,9 +50,8 @@ def say_zeros():
     publisher.publish(message)
 
 
-rclpy.init()
-node = rclpy.create_node(
-    'joint_state_publisher', parameter_overrides=[Parameter('use_sim_time', value=True)])
+rclpy.init(args=['--ros-args', '-p', 'use_sim_time:=true'])
+node = rclpy.create_node('joint_state_publisher')
 publisher = node.create_publisher(JointState, 'wheel_rates', 100)
 node.create_timer(0.1, say_zeros)
 spin(node)

@@ -18,7 +18,7 @@ import math
 
 from diffdrive_kinematics.core.kinematics import advance, compose, Pose
 import pytest
-from support.graph import KHEPERA, odometry_of, stamp_ns
+from support.graph import assert_pose, KHEPERA, odometry_of, stamp_ns
 from support.stepped import last, nodes, refusal, tell_wheels
 from support.tf import transforms_of
 
@@ -56,12 +56,6 @@ def unstamped(message):
     return message
 
 
-def assert_same_pose(pose, other, tolerance=1e-9):
-    assert pose[:2] == pytest.approx(other[:2], abs=tolerance)
-    assert math.remainder(pose.theta - other.theta, math.tau) == pytest.approx(
-        0.0, abs=tolerance)
-
-
 def test_tf_is_the_odometry_with_its_stamp_and_frames_exactly_as_written(diffdrive):
     robot = diffdrive(nodes('simulated_base:robot1/simulated_base'), params={
         **BELIEF, 'odom_frame_id': 'my/odom', 'base_frame_id': 'my_base'})
@@ -90,9 +84,9 @@ def test_map_to_odom_to_base_is_the_truth_whatever_the_robot_believes(diffdrive)
     assert len(chains) > 20
     for outer, inner in chains:
         seconds = stamp_ns(outer) / 1e9
-        assert_same_pose(compose(pose_of(outer), pose_of(inner)),
-                         rolled(Pose(1.0, 2.0, 0.5), 3.1, 4.8, seconds))
-        assert_same_pose(pose_of(inner), rolled(Pose(0.0, 0.0, 0.0), 3.0, 5.0, seconds))
+        assert_pose(compose(pose_of(outer), pose_of(inner)),
+                    rolled(Pose(1.0, 2.0, 0.5), 3.1, 4.8, seconds))
+        assert_pose(pose_of(inner), rolled(Pose(0.0, 0.0, 0.0), 3.0, 5.0, seconds))
     assert {frames_of(one) for one in found} == {('map', 'odom'), ('odom', 'base_link')}
 
 
@@ -114,7 +108,7 @@ def test_a_belief_is_matched_with_the_truth_at_its_stamp_also_when_the_truth_has
         robot.publish('odom', belief(stamp))
         transform = transforms_of(robot)[-1]
         assert stamp_ns(transform) == stamp and frames_of(transform) == ('map', 'odom')
-        assert_same_pose(compose(pose_of(transform), Pose(0.3, -0.2, 1.0)), expected)
+        assert_pose(compose(pose_of(transform), Pose(0.3, -0.2, 1.0)), expected)
 
 
 @pytest.mark.parametrize('message, words', [

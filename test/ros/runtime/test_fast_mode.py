@@ -36,16 +36,14 @@ def bits_of(message):
 def drive(graph, pace):
     """Drive the demo's course; return (belief, truth) by time since its start, and the report."""
     go = graph.publisher(Empty, 'go', listeners=0)
-    collected = {}
-    for topic in ('odom', 'ground_truth'):
-        collected[topic] = graph.collect(Odometry, topic)
+    collected = [graph.collect(Odometry, topic) for topic in ('odom', 'ground_truth')]
     topics = "command_sequence:wait_for_topics:=['odom', 'ground_truth', 'go']"
     sim = graph.start('diffdrive_sim', {'real_time_factor': pace}, '-p', topics)
-    graph.wait_for(lambda: collected['odom'] and collected['ground_truth'], 'odometry')
+    graph.wait_for(lambda: all(collected), 'odometry')
     graph.play_out(sim, go)
     start = round(1e9 * float(re.search(r'of commands, starting at ([\d.]+) s', sim.output)[1]))
     bits = [{stamp_ns(message) - start: bits_of(message) for message in messages
-             if stamp_ns(message) >= start} for messages in collected.values()]
+             if stamp_ns(message) >= start} for messages in collected]
     for entity in (*graph.node.subscriptions, *graph.node.publishers):
         if entity.topic_name in ('/odom', '/ground_truth', '/go'):
             (graph.node.destroy_publisher if entity in graph.node.publishers
