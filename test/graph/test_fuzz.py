@@ -349,6 +349,7 @@ def test_no_odometry_or_wheel_motion_takes_the_projection_down(monkeypatch):
         ('/wheel_rates', wheels), ('/odom', odometries())))['refused'] > 100
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('node', sorted(NODES))
 def test_no_parameter_at_run_time_takes_a_node_down_or_spoils_its_geometry(node):
     own = {entry.name for entry in TABLES[node]}

@@ -259,6 +259,7 @@ def test_what_nobody_listens_to_is_said(diffdrive, monkeypatch):
         robot.history('scan')
 
 
+@pytest.mark.slow
 def test_what_a_process_says_is_kept_also_where_the_test_or_the_robot_says_something(
         diffdrive, files):
     robot = diffdrive(params=ROBOT)

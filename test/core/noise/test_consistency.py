@@ -192,6 +192,7 @@ def test_the_covariance_of_a_closed_course_holds_up_to_a_yaw_of_0_2_rad(course):
     assert covariance_statistic(white) < CHI2_6
 
 
+@pytest.mark.slow
 def test_a_straight_goes_wrong_along_the_track_as_the_documentation_says():
     """Var x is 1 + d^2 s^2 / (3 L^2) times as large, and x short by d s / (2 L) of its sigma."""
     slip = slip_for('straight', 0.1)

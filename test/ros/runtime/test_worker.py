@@ -104,6 +104,7 @@ def test_an_exception_of_the_work_is_delivered_in_words_and_the_next_request_is_
         assert desk.results(2)[1] == ('good', 5, '')
 
 
+@pytest.mark.slow
 def test_a_process_that_is_killed_is_reported_and_another_one_takes_its_place():
     with Desk() as desk:
         desk.worker.ask('pid', os.getpid)
@@ -115,6 +116,7 @@ def test_a_process_that_is_killed_is_reported_and_another_one_takes_its_place():
         assert desk.results(3)[2][1] not in (None, pid)
 
 
+@pytest.mark.slow
 def test_a_request_that_cannot_be_sent_is_reported_and_the_next_one_is_done():
     with Desk() as desk:
         desk.worker.ask('bad', lambda: 1)
