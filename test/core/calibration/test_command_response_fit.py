@@ -53,6 +53,7 @@ def commanded_drive(truth, seconds=120.0, noise=2e-4):
     return replace(bare, reference=seen + noise * generator.standard_normal(seen.shape))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize('form', TRUTHS)
 def test_the_response_that_was_driven_is_found_in_its_form(form):
     truth, drive = TRUTHS[form], commanded_drive(TRUTHS[form])

@@ -90,10 +90,12 @@ def test_without_a_fitted_mean_radius_there_is_no_scale():
     assert found.separation.value > 0.0
 
 
+@pytest.mark.slow
 def test_clocks_that_are_chosen_for_all_are_those_of_each():
     assert fitted(drives_of(SPREAD, 6, 3), Clock.AUTO).sessions == 3
 
 
+@pytest.mark.slow
 def test_fewer_than_three_drives_that_tell_the_wheels_say_nothing():
     drives = drives_of(SPREAD, 7, 3)
     assert fitted(drives[:2]) is None

@@ -143,6 +143,7 @@ def test_a_perfect_reference_lets_no_fit_collapse():
             fresh, fit.k_left.value, fit.k_left.value, fit.noise, fit.body)) < 5.0
 
 
+@pytest.mark.slow
 def test_with_a_perfect_reference_the_slip_is_right():
     """The floor of the noise takes little of it away."""
     found = [fit_slip(drawn(seed, *WHEELS, NO_NOISE)).k_left.value for seed in range(10)]
