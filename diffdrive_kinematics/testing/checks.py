@@ -29,6 +29,7 @@ __all__ = [
     'check_command', 'check_condition', 'check_environment', 'check_name', 'check_number',
     'check_type', 'refuse', 'whole_steps']
 
+ROUNDING = 1e-6  # of a step, in what is said in decimals
 NAME = "a name of ROS: letters, digits, '_' and '/', of less than 248 characters"
 
 
@@ -49,12 +50,12 @@ def check_number(
 
 
 def whole_steps(name: str, seconds: Any, step_ns: int) -> int:
-    """Return how many steps of the clock some seconds are, or raise ``ValueError``."""
+    """Return how many steps are no less than some seconds, or raise ``ValueError``."""
     expected = f'at least a step of the clock, {step_ns / 1e9} s'
-    steps = check_number(name, seconds, expected) * 1e9 / step_ns
-    if not math.isfinite(steps) or round(steps) < 1:
+    steps = check_number(name, seconds, expected) * 1e9 / step_ns - ROUNDING
+    if not 1.0 - 2.0 * ROUNDING < steps < math.inf:
         refuse(name, seconds, expected)
-    return round(steps)
+    return math.ceil(steps)
 
 
 def check_condition(condition: Any) -> None:

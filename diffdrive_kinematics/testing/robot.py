@@ -107,7 +107,7 @@ class Robot(Topics):
         Parameters
         ----------
         seconds : float
-            How many, in whole steps of the clock.
+            How many; up to the next whole step of the clock.
         wait_for : str, optional
             Topic that a process publishes once a ``period``: each time that message is waited for,
             but not at the end of a call where less than a period was left.

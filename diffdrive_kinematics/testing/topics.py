@@ -14,7 +14,7 @@
 
 """What a test says to a robot and hears of it: its topics and services, and their faults."""
 
-from typing import Any, Dict, List
+from typing import Any, Dict, List, Set
 
 from diffdrive_kinematics.testing.checks import (
     check_name, check_number, check_type, refuse)
@@ -47,6 +47,7 @@ class Topics:
         self._observer, self._messages = nodes.observer, nodes.messages
         self._stepping = stepping
         self._publishers: Dict[str, Any] = {}
+        self._found: Set[str] = set()  # topics of publishers that have found who listens
         self._clients: Dict[str, Any] = {}
 
     def history(self, topic: str) -> List[Recorded]:
@@ -75,11 +76,13 @@ class Topics:
                 if is_latched(name, self._observer) else 100)
             self._messages.count_sent(publisher, self._observer.get_fully_qualified_name())
             self._publishers[name] = publisher
+        if name not in self._found:
             self._stepping.wait(
                 lambda: publisher.get_subscription_count() and has_subscribers(
                     publisher, self._observer),
                 f'find who listens to {topic!r}', [], timeout=HEARD_S)
             self._stepping.rest(silence=True)  # they have found the publisher, too
+            self._found.add(name)
         publisher.publish(message)
         if not publisher.wait_for_all_acked(Duration(seconds=HEARD_S)):
             raise AssertionError(f'who listens to {topic!r} did not get a message in {HEARD_S} s')

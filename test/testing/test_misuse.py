@@ -18,10 +18,12 @@ import re
 import subprocess
 import sys
 
+from diffdrive_kinematics.testing import topics
 from diffdrive_kinematics.testing.processes import ProcessFailed
 from geometry_msgs.msg import PoseStamped
 import numpy
 import pytest
+from std_msgs.msg import Empty
 from std_srvs.srv import Trigger
 from support.graph import twist
 from support.planners import NOISE, ROBOT
@@ -244,3 +246,21 @@ def test_a_process_that_died_after_the_last_step_fails_the_test_too(files):
         end in run.stdout.splitlines()[-1] for end in ends), run.stdout + run.stderr
     assert run.stdout.count('ProcessFailed: python my_planner.py ended with status -9') >= 2
     assert 'this is told' in run.stdout
+
+
+def test_time_goes_on_for_no_less_than_was_asked(diffdrive):
+    robot = diffdrive(params=ROBOT, clock_step=0.02)
+    robot.advance(0.05)
+    assert robot.time == 0.06
+    robot.advance(0.1 + 0.2)  # a little more than 15 steps, as it is said in decimals
+    assert robot.time == 0.36
+    with pytest.raises(ValueError, match='seconds is 0.019, expected at least a step'):
+        robot.advance(0.019)
+
+
+def test_who_does_not_listen_is_told_of_each_time(diffdrive, monkeypatch):
+    robot = diffdrive(params=ROBOT)
+    monkeypatch.setattr(topics, 'HEARD_S', 0.1)
+    for _ in range(2):
+        with pytest.raises(ProcessFailed, match="find who listens to 'nobody'"):
+            robot.publish('nobody', Empty())
