@@ -24,7 +24,7 @@ import pytest
 from rcl_interfaces.srv import GetParameters, SetParameters, SetParametersAtomically
 from rclpy.parameter import Parameter
 from sensor_msgs.msg import JointState
-from support.graph import arguments, JOINTS, KHEPERA, twist
+from support.graph import arguments, JOINTS, KHEPERA, twist, twist_stamped
 from support.inside import initialised
 from support.stepped import last, messages, nodes, tell_wheels
 
@@ -200,6 +200,13 @@ def test_commands_of_the_other_type_are_reported(graph, stamped):
     graph.wait_for(lambda: 'enable_stamped_cmd_vel' in controller.output, 'a report')
     assert f"carries geometry_msgs/msg/{'Twist' if stamped else 'TwistStamped'}, expected" \
         in controller.output
+
+
+@pytest.mark.ros
+def test_a_stamped_controller_listens_to_stamped_commands(diffdrive):
+    robot = diffdrive(nodes(CONTROLLER), params={**HELD, 'enable_stamped_cmd_vel': True})
+    robot.publish('cmd_vel', twist_stamped(0, 0.021, 0.0))
+    assert any(last(robot, 'wheel_rates').velocity)
 
 
 @pytest.mark.parametrize('name, positions, velocities, words', [

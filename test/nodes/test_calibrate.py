@@ -225,12 +225,12 @@ def drive_samples(seconds, seed=3):
         pose = advance(pose, 0.5 * (d_left + d_right), (d_right - d_left) / separation)
 
 
-def assert_found(written, rel=3e-3, node='wheel_odometry', truth=TRUTH):
+def assert_found(written, rel=3e-3, node='wheel_odometry', truth=TRUTH, of=''):
     """Compare what a file says of a node's wheels."""
     text = written.read_text()
     section = text[text.index(f'/**/{node}:'):]
     found = {name: float(re.search(rf'{name}: (\S+)', section)[1]) for name in truth}
-    assert found == pytest.approx(truth, rel=rel)
+    assert found == pytest.approx(truth, rel=rel), of
 
 
 @pytest.fixture
@@ -416,7 +416,7 @@ def test_files_of_every_kind_of_motion_find_the_wheels(ran, tmp_path):
         settings = files_of(
             tmp_path, header, [(time, *row) for time, row in zip(times, columns)], poses)
         ran('calibrate', *settings, *more, f'output:={written}', 'overwrite:=true')
-        assert_found(written, rel=2e-3)
+        assert_found(written, rel=2e-3, of=header)
 
 
 @pytest.mark.ros
