@@ -20,7 +20,7 @@ process has run.  A message for a thread that sleeps makes it one that runs befo
 on.  If a process does not run while it is found that all of its threads sleep, they slept all
 along: a thread that is to run does not fall asleep before it has run.  But a thread that falls
 asleep is told to sleep some microseconds before its time counts, and may have woken another one
-that was looked at before: so all are looked at twice, unless none has run since they slept.
+that was looked at before: so all are looked at twice.
 """
 
 import os
@@ -174,7 +174,6 @@ class Rest:
         self.can_tell = can_tell() and not isinstance(executor, SingleThreadedExecutor)
         self._own = Threads(os.getpid()) if self.can_tell else None
         self._newest = os.open(NEWEST, os.O_RDONLY) if self.can_tell else -1
-        self._slept: List[Tuple[int, ...]] = []  # how long all had run when they slept
 
     def reached(self, others: Sequence[Threads], deliver: Callable[[], None]) -> bool:
         """
@@ -198,12 +197,9 @@ class Rest:
         for each in outdated:  # there may be more threads
             each.find()
             each.newest = newest
-        if outdated or before != self._slept and not all(each.asleep() for each in groups):
+        if outdated or not all(each.asleep() for each in groups):
             return False
-        if [each.cpu_time() for each in groups] != before:
-            return False
-        self._slept = before
-        return True
+        return [each.cpu_time() for each in groups] == before
 
     def _work_off(self) -> bool:
         """Handle what waits to be handled in this process; return whether something did."""

@@ -14,6 +14,7 @@
 
 """Which nodes a robot under test is made of, and their parameters."""
 
+from datetime import date, datetime
 from os import fspath, PathLike
 from pathlib import Path
 from typing import Any, Collection, Dict, Iterator, Mapping, NamedTuple, Tuple, Union
@@ -81,7 +82,7 @@ def composition(
         values['clock_step'] = clock_step
     step = check_number(
         'clock_step', values['clock_step'], 'from 1e-9 to 1e9 s', least=1e-9, most=1e9)
-    if isinstance(values['nodes'], str) or not all(
+    if not isinstance(values['nodes'], (list, tuple)) or not all(
             isinstance(each, str) for each in values['nodes']):
         refuse('nodes', values['nodes'], 'a list of names')
     sections.setdefault('/**', {}).update(params)
@@ -110,7 +111,10 @@ def _read(config: Union[str, Path, Sections, None]) -> Dict[str, Dict[str, Any]]
     if not isinstance(sections, Mapping) or not all(
             isinstance(section, Mapping) for section in sections.values()):
         refuse('config', config, 'a file of, or a mapping of names of nodes to parameters')
-    return dict(_flat(sections))
+    found: Dict[str, Dict[str, Any]] = {}
+    for name, section in _flat(sections):
+        found.setdefault(name, {}).update(section)
+    return found
 
 
 def _flat(
@@ -120,10 +124,11 @@ def _flat(
         name = f'{namespace}/{key}' if namespace else key
         if not isinstance(section, Mapping):
             refuse(name, section, 'a mapping of parameters')
-        if PARAMETERS not in section and _has_parameters(section):
-            yield from _flat(section, name)
-        else:
+        nested = {part: each for part, each in section.items() if part != PARAMETERS}
+        if PARAMETERS in section or not _has_parameters(section):
             yield name, dict(section.get(PARAMETERS, section) or {})
+        if _has_parameters(nested):
+            yield from _flat(nested, name)
 
 
 def _has_parameters(section: Any) -> bool:
@@ -161,7 +166,7 @@ def _plain(value: Any, name: str = '') -> Any:
         value = value.tolist()
     if isinstance(value, (list, tuple)):
         return [_plain(each, name) for each in value]
-    if value is not None and type(value) not in (bool, int, float, str):
+    if value is not None and type(value) not in (bool, int, float, str, date, datetime):
         refuse(name, value, 'a number, a text, true or false, or a list of them')
     return value
 

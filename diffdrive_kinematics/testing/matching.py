@@ -14,6 +14,7 @@
 
 """Whether publishers and subscriptions have found all in the graph that they can talk to."""
 
+from rclpy.duration import Duration, Infinite
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rclpy.qos import DurabilityPolicy, qos_check_compatible, QoSCompatibility, QoSProfile
@@ -39,11 +40,23 @@ def has_publishers(subscription: Subscription, observer: Node) -> bool:
 
 
 def is_latched(topic: str, observer: Node) -> bool:
-    """Return whether somebody listens to a topic who hears only what is kept for late comers."""
+    """Return whether somebody listens to a topic who asks for what was said before, too."""
     return any(each.qos_profile.durability == DurabilityPolicy.TRANSIENT_LOCAL
                for each in observer.get_subscriptions_info_by_topic(topic))
 
 
 def _fit(publisher: QoSProfile, subscription: QoSProfile) -> bool:
-    compatible, _ = qos_check_compatible(publisher, subscription)
+    compatible, _ = qos_check_compatible(_told(publisher), _told(subscription))
     return bool(compatible != QoSCompatibility.ERROR)
+
+
+def _told(profile: QoSProfile) -> QoSProfile:
+    """Return a profile as the graph tells it: what is not said, which is 0, is infinite there."""
+    return QoSProfile(
+        depth=1, reliability=profile.reliability, durability=profile.durability,
+        liveliness=profile.liveliness, deadline=_limit(profile.deadline),
+        liveliness_lease_duration=_limit(profile.liveliness_lease_duration))
+
+
+def _limit(duration: Duration) -> Duration:
+    return duration if duration.nanoseconds else Infinite

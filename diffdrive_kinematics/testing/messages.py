@@ -164,9 +164,13 @@ class RecordedMessages(InFlightMessages):
             if listener.subscription in set(node.subscriptions):
                 self.remove_listener(listener.subscription)
         for publisher in [each for each in self.publishers if each in set(node.publishers)]:
-            self.publishers.remove(publisher)
-            self._owners[publisher.topic_name].remove(name)
+            self.forget_publisher(publisher, name)
         self.forget()
+
+    def forget_publisher(self, publisher: Publisher, node: str) -> None:
+        """Count no more for a publisher of a node that is gone."""
+        self.publishers.remove(publisher)
+        self._owners[publisher.topic_name].remove(node)
 
     def know_types(self, node: Node) -> None:
         """Note the types of what a node listens to."""
@@ -199,7 +203,7 @@ class RecordedMessages(InFlightMessages):
             return 0
         if isinstance(message, bytes):
             data = message
-        elif self._only_own(topic):
+        elif self.only_own(topic):
             data = next(iter(expected))
         else:
             data = next((each for each in expected if repr(
@@ -211,7 +215,7 @@ class RecordedMessages(InFlightMessages):
             del expected[data]
         return number
 
-    def _only_own(self, topic: str) -> bool:
+    def only_own(self, topic: str) -> bool:
         """Return whether nobody else in the graph publishes a topic."""
         return self.count_publishers(topic) <= sum(
             each.topic_name == topic for each in self.publishers)

@@ -16,6 +16,7 @@
 
 from contextlib import suppress
 import os
+from pathlib import Path
 import signal
 import subprocess
 import tempfile
@@ -46,8 +47,6 @@ class Process:
         What to run; ``--ros-args -p use_sim_time:=true`` is added.
     environment : mapping
         Variables to set.
-    name : str
-        What to call it in errors.
     lockstep : bool
         Whether it acknowledges each step (``diffdrive_kinematics.testing.spin``).
     restless : bool
@@ -56,9 +55,10 @@ class Process:
     """
 
     def __init__(
-            self, command: Sequence[str], environment: Mapping[str, str], *, name: str,
-            lockstep: bool, restless: bool = False) -> None:
-        self.name, self.lockstep, self.restless = name, lockstep, restless
+            self, command: Sequence[str], environment: Mapping[str, str], *, lockstep: bool,
+            restless: bool = False) -> None:
+        self.name = ' '.join(Path(word).name for word in command)  # in errors
+        self.lockstep, self.restless = lockstep, restless
         self.nodes: Set[str] = set()
         self._to_end, self._patience_s = False, PATIENCE_S
         self.shared_memory: Set[str] = set()

@@ -195,11 +195,10 @@ class Robot(Topics):
         """
         words, variables = check_command(command), check_environment(environment or {})
         arrival = self._stepping.expect()
-        process = Process(
-            words, {**environment_of(self.domain), **variables},
-            name=' '.join(Path(word).name for word in words), lockstep=lockstep,
-            restless=restless)
+        process = Process(words, {**environment_of(self.domain), **variables},
+                          lockstep=lockstep, restless=restless)
         self._stepping.processes.append(process)
+        self._found.clear()
         self._guardian.guard(process.pid)
         self._stepping.begin(process, arrival)
         self._guardian.sweep(process.note_shared_memory())
@@ -231,12 +230,14 @@ class Robot(Topics):
 
     def close(self) -> None:
         """End everything; the robot first, as a killed writer leaves its shared memory locked."""
-        self._stepping.close()
-        self._nodes.close()
-        for process in self._stepping.processes:
-            process.close()
-            self._guardian.release(process.pid, process.shared_memory)
-        self._guardian.close()
+        try:
+            self._stepping.close()
+            self._nodes.close()
+        finally:
+            for process in self._stepping.processes:
+                process.close()
+                self._guardian.release(process.pid, process.shared_memory)
+            self._guardian.close()
 
     def _settle(self) -> None:
         """Wait until the nodes hear each other."""

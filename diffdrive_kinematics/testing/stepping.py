@@ -93,7 +93,8 @@ class Stepping:
                     self._observer.count_services(name + SERVICE) for name in process.nodes):
                 process.await_end()
             process.check()
-        if wait_for and not any(process.running for process in self.processes):
+        if wait_for and self._messages.only_own(wait_for) and not any(
+                process.running for process in self.processes):
             raise ProcessFailed('\n'.join([
                 f'{wait_for!r} is waited for, and no process runs that could publish it',
                 *(process.describe() for process in self.processes)]))

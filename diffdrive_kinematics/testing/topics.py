@@ -28,6 +28,7 @@ from rclpy.qos import DurabilityPolicy, QoSProfile
 __all__ = ['Topics']
 
 HEARD_S = 10.0
+LASTS = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 
 class Topics:
@@ -70,23 +71,31 @@ class Topics:
         publisher = self._publishers.get(name)
         if not publisher or type(message) is not publisher.msg_type:
             self._check_type('type of message', type(message), name)
-        if not publisher:
-            publisher = self._observer.create_publisher(type(message), topic, QoSProfile(
-                depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-                if is_latched(name, self._observer) else 100)
-            self._messages.count_sent(publisher, self._observer.get_fully_qualified_name())
-            self._publishers[name] = publisher
         if name not in self._found:
-            self._stepping.wait(
-                lambda: publisher.get_subscription_count() and has_subscribers(
-                    publisher, self._observer),
-                f'find who listens to {topic!r}', [], timeout=HEARD_S)
-            self._stepping.rest(silence=True)  # they have found the publisher, too
-            self._found.add(name)
+            publisher = self._found_publisher(name, topic, type(message))
         publisher.publish(message)
         if not publisher.wait_for_all_acked(Duration(seconds=HEARD_S)):
             raise AssertionError(f'who listens to {topic!r} did not get a message in {HEARD_S} s')
         self._stepping.deliver()
+
+    def _found_publisher(self, name: str, topic: str, kind: type) -> Any:
+        """Return a publisher that all who listen have found; it keeps what some ask for later."""
+        publisher, node = self._publishers.get(name), self._observer
+        lasts = is_latched(name, node)
+        if publisher and lasts and publisher.qos_profile.durability != LASTS.durability:
+            self._messages.forget_publisher(publisher, node.get_fully_qualified_name())
+            node.destroy_publisher(publisher)
+            publisher = None
+        if not publisher:
+            publisher = node.create_publisher(kind, topic, LASTS if lasts else 100)
+            self._messages.count_sent(publisher, node.get_fully_qualified_name())
+            self._publishers[name] = publisher
+        self._stepping.wait(
+            lambda: publisher.get_subscription_count() and has_subscribers(publisher, node),
+            f'find who listens to {topic!r}', [], timeout=HEARD_S)
+        self._stepping.rest(silence=True)  # they have found the publisher, too
+        self._found.add(name)
+        return publisher
 
     def call(self, service_type: Any, name: str, request: Any) -> Any:
         """Call a service and return its response; it is answered before time goes on."""

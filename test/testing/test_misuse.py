@@ -17,17 +17,24 @@
 import re
 import subprocess
 import sys
+import threading
 
-from diffdrive_kinematics.testing import topics
+from diffdrive_kinematics.testing import Robot, topics
+from diffdrive_kinematics.testing.composition import composition
+from diffdrive_kinematics.testing.matching import has_subscribers
 from diffdrive_kinematics.testing.processes import ProcessFailed
-from geometry_msgs.msg import PoseStamped
+from geometry_msgs.msg import PoseStamped, Twist
 import numpy
 import pytest
+import rclpy
+from rclpy.duration import Duration
+from rclpy.qos import DurabilityPolicy, qos_profile_sensor_data, QoSProfile
 from std_msgs.msg import Empty
 from std_srvs.srv import Trigger
 from support.graph import twist
 from support.planners import NOISE, ROBOT
 from support.stepped import nodes
+import yaml
 
 pytestmark = pytest.mark.ros
 
@@ -53,6 +60,9 @@ def python(text):
     ({'params': {**ROBOT, 'seed': object()}}, 'seed is <object .*, expected a number'),
     ({'params': {**ROBOT, 'seed': {1, 2}}}, r'seed is \{1, 2\}, expected a number'),
     ({'config': {'/**': {**ROBOT, 'nodes': [3]}}}, r'nodes is \[3\], expected a list of names'),
+    ({'config': {'/**': {**ROBOT, 'nodes': 5}}}, 'nodes is 5, expected a list of names'),
+    ({'params': ROBOT, 'noise': {'use_stamped_vel': True}},
+     "noise has 'use_stamped_vel', expected a parameter of wheel_noise"),
     ({'config': {'/**': {**ROBOT, 'nodes': 'simulated_base'}}},
      "nodes is 'simulated_base', expected a list of names"),
     ({'config': {'r1': {'base': {'ros__parameters': ROBOT}, 'wheel_radius': 0.1}}},
@@ -84,6 +94,22 @@ def test_sections_of_a_params_file_may_stand_in_their_namespaces(diffdrive):
         robot.advance(0.1)
         message = robot.history(f'/fleet/{name}/odom')[-1].message
         assert message.twist.twist.linear.x == pytest.approx(most)
+
+
+def test_sections_of_a_params_file_may_be_in_parts_and_of_other_packages(tmp_path):
+    path = tmp_path / 'robot.yaml'
+    path.write_text("""
+/ns/controller: {ros__parameters: {cmd_vel_timeout: 1.0}}
+/ns: {controller: {ros__parameters: {publish_rate: 10.0}}}
+fleet: {ros__parameters: {seed: 1}, noise: {ros__parameters: {seed: 2}}}
+camera: {ros__parameters: {released: 2024-01-02}}
+diffdrive_sim: {ros__parameters: {nodes: [simulated_base]}}
+""")
+    read = yaml.safe_load(composition(path, {}, {}, None).params)
+    sections = {name: section['ros__parameters'] for name, section in read.items()}
+    assert sections['/ns/controller'] == {'cmd_vel_timeout': 1.0, 'publish_rate': 10.0}
+    assert sections['fleet'] == {'seed': 1} and sections['fleet/noise'] == {'seed': 2}
+    assert str(sections['camera']['released']) == '2024-01-02'
 
 
 @pytest.mark.parametrize('content', [b'', b'a: [1\nb: }', b'\xff\xfe\x80', b'- a', b'a: 5'])
@@ -175,6 +201,75 @@ def test_a_process_that_subscribes_to_what_is_latched_hears_the_test(diffdrive, 
     goal.pose.position.x = -1.0
     robot.publish('goal_pose', goal)
     robot.advance_until(lambda: abs(robot.odom.yaw) > 1.0, timeout=5.0)
+
+
+@pytest.mark.slow
+def test_a_process_that_comes_later_is_heard_by_what_it_listens_with(diffdrive, files):
+    path = files / 'latched.py'
+    path.write_text((files / 'my_planner.py').read_text().replace(
+        'self.on_goal, 10', f'self.on_goal, rclpy.qos.{LATCHED}'))
+    robot = diffdrive(params=ROBOT)
+    robot.listen(PoseStamped, 'goal_pose')
+    robot.publish('goal_pose', PoseStamped())  # to one that asks for nothing of before
+    robot.start_process([sys.executable, path])
+    goal = PoseStamped()
+    goal.pose.position.x = 1.0
+    robot.publish('goal_pose', goal)
+    robot.advance_until(lambda: robot.odom.x > 0.05, timeout=2.0)
+
+
+@pytest.mark.parametrize('profile, fits', [
+    (QoSProfile(depth=10), True), (qos_profile_sensor_data, True),
+    (QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL), False),
+    (QoSProfile(depth=1, deadline=Duration(seconds=1)), False)])
+def test_a_publisher_awaits_whom_it_fits_and_nobody_else(diffdrive, profile, fits):
+    near, far = (diffdrive(nodes('simulated_base'), params=ROBOT)._nodes.observer
+                 for _ in range(2))  # in two domains: they never find each other
+    near.create_subscription(Empty, 'talk', print, profile)
+    assert has_subscribers(far.create_publisher(Empty, 'talk', 100), near) is not fits
+    publisher = near.create_publisher(Empty, 'talk', 100)
+    while not has_subscribers(publisher, near):
+        pass
+    assert publisher.get_subscription_count() == fits
+
+
+def test_a_message_that_another_one_publishes_is_waited_for_without_a_process(diffdrive):
+    robot = diffdrive(params=ROBOT)
+    context, done = rclpy.Context(), threading.Event()
+    rclpy.init(context=context, domain_id=robot.domain)
+    node = rclpy.create_node('other', context=context)
+    publisher = node.create_publisher(Twist, 'cmd_vel', 10)
+
+    def talk():
+        while not done.wait(0.01):
+            publisher.publish(twist(0.1, 0.0))
+
+    thread = threading.Thread(target=talk)
+    try:
+        thread.start()
+        robot._stepping.wait(lambda: robot._observer.count_publishers('/cmd_vel'), 'see it', [])
+        robot.advance(0.1, wait_for='cmd_vel')
+    finally:
+        done.set()
+        thread.join()
+        node.destroy_node()
+        context.shutdown()
+    assert len(robot.history('cmd_vel')) >= 5
+
+
+def test_processes_end_although_the_robot_does_not_end_well(files, monkeypatch):
+    robot = Robot(params=ROBOT)
+    process = robot.start_process([sys.executable, files / 'my_planner.py'])
+    end = robot._nodes.close
+
+    def fail():
+        end()
+        raise RuntimeError('not well')
+
+    monkeypatch.setattr(robot._nodes, 'close', fail)
+    with pytest.raises(RuntimeError, match='not well'):
+        robot.close()
+    assert not process.running
 
 
 def test_a_message_is_waited_for_only_while_a_process_runs_that_may_publish_it(diffdrive):

@@ -55,7 +55,7 @@ def aliased(given: Mapping[str, Any], known: Collection[str]) -> Dict[str, str]:
 def is_understood(name: Any, known: Collection[str]) -> bool:
     """Return whether a parameter has an effect in a node that knows some, or none on purpose."""
     return isinstance(name, str) and (
-        name in known or name in BUILT_IN or name in ALIASES or name in MEANS_NOTHING
+        name in known or name in BUILT_IN or ALIASES.get(name) in known or name in MEANS_NOTHING
         or name.startswith(QOS_PREFIX))
 
 
