@@ -45,7 +45,8 @@ setup(
     license='Apache-2.0',
     keywords=['ROS', 'differential drive', 'odometry', 'simulation'],
     packages=find_packages(exclude=['test', 'test.*']),
-    package_data={PACKAGE_NAME: ['py.typed', 'tools/web_page.css', 'tools/web_page.js']},
+    package_data={PACKAGE_NAME: ['py.typed', 'testing/this_machine.xml',
+                                 'tools/web_page.css', 'tools/web_page.js']},
     data_files=[
         ('share/ament_index/resource_index/packages', ['resource/' + PACKAGE_NAME]),
         ('share/' + PACKAGE_NAME, ['package.xml']),

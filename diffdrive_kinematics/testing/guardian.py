@@ -74,15 +74,9 @@ class Guardian:
         for name in shared_memory_of(os.getpid()):
             self._tell(f'o{name}')
 
-    def release(self, group: int, shared_memory: Set[str]) -> None:
-        """Leave a process group that has ended alone, and delete its memory in the end."""
+    def release(self, group: int) -> None:
+        """Leave a process group that has ended alone."""
         self._tell(f'-{group}')
-        self.sweep(shared_memory)
-
-    def sweep(self, shared_memory: Set[str]) -> None:
-        """Delete shared memory in the end, unless it is locked."""
-        for name in shared_memory:
-            self._tell(f'f{name}')
 
     def close(self) -> None:
         """Have the rest ended and deleted now; what this process has it deletes itself."""
@@ -101,7 +95,6 @@ class Guardian:
 def main() -> None:
     """Read what to end and to delete, and do so at the end of the input."""
     groups: Set[int] = set()
-    names: Set[str] = set()
     own: Set[str] = set()
     for line in sys.stdin:
         kind, what = line[0], line[1:].strip()
@@ -109,8 +102,6 @@ def main() -> None:
             groups.add(int(what))
         elif kind == '-':
             groups.discard(int(what))
-        elif kind == 'f':
-            names.add(what)
         elif kind == 'o':
             own.add(what)
         else:
@@ -120,7 +111,7 @@ def main() -> None:
     deadline = time.monotonic() + PATIENCE_S
     while any(_signal(group, 0) for group in groups) and time.monotonic() < deadline:
         time.sleep(0.01)
-    for name in names | own:
+    for name in own:
         delete_shared_memory(name)
 
 

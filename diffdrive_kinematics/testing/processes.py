@@ -24,10 +24,12 @@ import time
 from typing import Dict, List, Mapping, Optional, Sequence, Set
 
 from diffdrive_kinematics.testing.at_rest import can_tell, Threads
-from diffdrive_kinematics.testing.guardian import shared_memory_of
+from rclpy.utilities import get_rmw_implementation_identifier
 
 __all__ = ['environment_of', 'Process', 'ProcessFailed', 'sleepless']
 
+PROFILE = str(Path(__file__).with_name('this_machine.xml'))
+PROFILES = 'FASTRTPS_DEFAULT_PROFILES_FILE', 'FASTDDS_DEFAULT_PROFILES_FILE'  # Jazzy, Kilted
 PATIENCE_S = 3.0
 LINES, LENGTH = 40, 500
 LOOKS, LOOK_S = 100, 0.02
@@ -61,7 +63,6 @@ class Process:
         self.lockstep, self.restless = lockstep, restless
         self.nodes: Set[str] = set()
         self._to_end, self._patience_s = False, PATIENCE_S
-        self.shared_memory: Set[str] = set()
         self._file = tempfile.TemporaryFile(mode='w+', encoding='utf-8', errors='replace')
         self._popen = subprocess.Popen(
             [*command, '--ros-args', '-p', 'use_sim_time:=true'], stdin=subprocess.DEVNULL,
@@ -129,7 +130,6 @@ class Process:
             self.threads.close()
 
     def _end(self, number: int) -> bool:
-        self.note_shared_memory()
         if self.running:
             self._to_end = True
             self._signal(number)
@@ -145,16 +145,16 @@ class Process:
         except ProcessLookupError:
             pass
 
-    def note_shared_memory(self) -> Set[str]:
-        """Note, and return, what it leaves behind of Fast DDS where it is killed."""
-        self.shared_memory |= shared_memory_of(self.pid)
-        return self.shared_memory
-
 
 def environment_of(domain: int) -> Dict[str, str]:
     """Return the variables of a process in a domain that is heard on this machine only."""
-    return {'ROS_DOMAIN_ID': str(domain), 'ROS_AUTOMATIC_DISCOVERY_RANGE': 'LOCALHOST',
-            'PYTHONUNBUFFERED': '1', 'RCUTILS_COLORIZED_OUTPUT': '0'}
+    variables = {'ROS_DOMAIN_ID': str(domain), 'ROS_AUTOMATIC_DISCOVERY_RANGE': 'LOCALHOST',
+                 'PYTHONUNBUFFERED': '1', 'RCUTILS_COLORIZED_OUTPUT': '0'}
+    if get_rmw_implementation_identifier().startswith('rmw_fastrtps'):
+        # any other range but SYSTEM_DEFAULT would bring shared memory back
+        variables.update(dict.fromkeys(PROFILES, PROFILE),
+                         ROS_AUTOMATIC_DISCOVERY_RANGE='SYSTEM_DEFAULT')
+    return variables
 
 
 def sleepless(processes: List[Process]) -> List[Process]:

@@ -201,8 +201,6 @@ class Robot(Topics):
         self._found.clear()
         self._guardian.guard(process.pid)
         self._stepping.begin(process, arrival)
-        self._guardian.sweep(process.note_shared_memory())
-        self._guardian.note_own()  # it shares more with each process
         return process
 
     def kill(self, name: str) -> None:
@@ -236,7 +234,7 @@ class Robot(Topics):
         finally:
             for process in self._stepping.processes:
                 process.close()
-                self._guardian.release(process.pid, process.shared_memory)
+                self._guardian.release(process.pid)
             self._guardian.close()
 
     def _settle(self) -> None:

@@ -66,9 +66,9 @@ def test_it(diffdrive):
     robot = diffdrive(params={robot!r})
     process = robot.start_process([sys.executable, 'my_planner.py'])
     robot.advance(0.1)
-    used = {{name for pid in (process.pid, os.getpid()) for name in shared_memory_of(pid)
+    used = {{name for name in shared_memory_of(os.getpid())
             if '_port' not in name}}  # ports are given out again
-    assert len(used) > 1
+    assert used
     Path('used').write_text('\\n'.join(file for name in used for file in (name, f'{{name}}_el')))
     Path('pid').write_text(str(process.pid))
     {last}
@@ -94,7 +94,7 @@ def test_tests_side_by_side_do_not_hear_each_other(files):
 
 
 def left_of(directory):
-    """Return what is left of the process of a test and of the memory that it and the test had."""
+    """Return what is left of the process of a test, and of the memory that the test had."""
     process = f"/proc/{(directory / 'pid').read_text()}"
     return [each for each in (process, *(directory / 'used').read_text().split('\n'))
             if Path(each).exists()]
