@@ -27,6 +27,7 @@ from diffdrive_kinematics.ros.runtime.running import make_executor
 from diffdrive_kinematics.testing.composition import Composition
 from diffdrive_kinematics.testing.domains import FreeDomain
 from diffdrive_kinematics.testing.messages import RecordedMessages
+from diffdrive_kinematics.testing.processes import RANGE
 import rclpy
 from rclpy.signals import SignalHandlerOptions
 
@@ -34,7 +35,6 @@ __all__ = ['RobotNodes', 'State', 'topic_of']
 
 MOTION = {'simulated_base': 'wheel_motion_topic', 'wheel_odometry': 'wheel_motion_topic',
           'wheel_noise': 'output_topic'}
-RANGE = 'ROS_AUTOMATIC_DISCOVERY_RANGE'
 
 
 class State(NamedTuple):

@@ -26,8 +26,9 @@ from typing import Dict, List, Mapping, Optional, Sequence, Set
 from diffdrive_kinematics.testing.at_rest import can_tell, Threads
 from rclpy.utilities import get_rmw_implementation_identifier
 
-__all__ = ['environment_of', 'Process', 'ProcessFailed', 'sleepless']
+__all__ = ['environment_of', 'on_this_machine', 'Process', 'ProcessFailed', 'RANGE', 'sleepless']
 
+RANGE = 'ROS_AUTOMATIC_DISCOVERY_RANGE'
 PROFILE = str(Path(__file__).with_name('this_machine.xml'))
 PROFILES = 'FASTRTPS_DEFAULT_PROFILES_FILE', 'FASTDDS_DEFAULT_PROFILES_FILE'  # Jazzy, Kilted
 PATIENCE_S = 3.0
@@ -148,13 +149,16 @@ class Process:
 
 def environment_of(domain: int) -> Dict[str, str]:
     """Return the variables of a process in a domain that is heard on this machine only."""
-    variables = {'ROS_DOMAIN_ID': str(domain), 'ROS_AUTOMATIC_DISCOVERY_RANGE': 'LOCALHOST',
-                 'PYTHONUNBUFFERED': '1', 'RCUTILS_COLORIZED_OUTPUT': '0'}
+    return {'ROS_DOMAIN_ID': str(domain), 'PYTHONUNBUFFERED': '1',
+            'RCUTILS_COLORIZED_OUTPUT': '0', **on_this_machine()}
+
+
+def on_this_machine() -> Dict[str, str]:
+    """Return the variables of a process that talks on this machine only; not by shared memory."""
     if get_rmw_implementation_identifier().startswith('rmw_fastrtps'):
-        # any other range but SYSTEM_DEFAULT would bring shared memory back
-        variables.update(dict.fromkeys(PROFILES, PROFILE),
-                         ROS_AUTOMATIC_DISCOVERY_RANGE='SYSTEM_DEFAULT')
-    return variables
+        # the profile says it all; the range LOCALHOST would bring shared memory back
+        return {RANGE: 'SYSTEM_DEFAULT', **dict.fromkeys(PROFILES, PROFILE)}
+    return {RANGE: 'LOCALHOST'}
 
 
 def sleepless(processes: List[Process]) -> List[Process]:

@@ -17,6 +17,7 @@
 import signal
 import time
 
+from diffdrive_kinematics.testing.processes import on_this_machine
 from geometry_msgs.msg import Twist
 import pytest
 from sensor_msgs.msg import JointState
@@ -30,8 +31,6 @@ STAMPED = {**KHEPERA, 'enable_stamped_cmd_vel': True}
 HOUR_NS = 3600 * 10**9
 MS = 10**6
 SPEED = 0.2  # [m/s]
-# shared memory of a process that is stopped is taken for broken now and then
-UDP = {'FASTDDS_BUILTIN_TRANSPORTS': 'UDPv4'}
 TIMEOUT_S = 1.0
 LONGEST_S = 1.5 * TIMEOUT_S  # a silence beyond it is not that of the stall alone
 TRIES = 8  # as a busy machine may hold up this process, too
@@ -129,8 +128,13 @@ def test_clocks_that_are_known_to_be_apart_are_no_age(robot_with, capfd, offset)
 
 
 def started(graph, before='', **parameters):
-    """Start a controller; return it, what it tells, and what publishes commands."""
-    controller = graph.start(CONTROLLER, {**KHEPERA, **parameters}, environment=UDP, before=before)
+    """
+    Start a controller; return it, what it tells, and what publishes commands.
+
+    It has no shared memory: that of a process that is stopped is taken for broken now and then.
+    """
+    controller = graph.start(
+        CONTROLLER, {**KHEPERA, **parameters}, environment=on_this_machine(), before=before)
     return controller, graph.collect(JointState, 'wheel_rates'), graph.publisher(Twist, 'cmd_vel')
 
 
@@ -148,12 +152,7 @@ def test_what_lay_in_the_queue_while_the_process_was_stopped_is_not_driven(graph
     heard = len(rates)
     graph.wait_for(lambda: len(rates) > heard + 25, 'rates')
     assert turning(rates) == []
-
-    def driving():
-        commands.publish(twist(SPEED, 0.0))
-        return turning(rates)
-
-    graph.wait_for(driving, 'the robot to drive')
+    graph.wait_for(lambda: commands.publish(twist(SPEED, 0.0)) or turning(rates), 'the robot')
 
 
 @EXECUTORS
