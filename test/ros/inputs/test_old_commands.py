@@ -128,11 +128,8 @@ def test_clocks_that_are_known_to_be_apart_are_no_age(robot_with, capfd, offset)
 
 
 def started(graph, before='', **parameters):
-    """
-    Start a controller; return it, what it tells, and what publishes commands.
-
-    It has no shared memory: that of a process that is stopped is taken for broken now and then.
-    """
+    """Start a controller; return it, what it tells, and what publishes commands."""
+    # shared memory of a process that is stopped is taken for broken now and then
     controller = graph.start(
         CONTROLLER, {**KHEPERA, **parameters}, environment=on_this_machine(), before=before)
     return controller, graph.collect(JointState, 'wheel_rates'), graph.publisher(Twist, 'cmd_vel')
