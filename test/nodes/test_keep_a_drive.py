@@ -18,8 +18,6 @@ import csv
 import importlib.util
 import math
 import re
-import signal
-import time
 
 from diffdrive_kinematics.core.kinematics import (
     advance, Pose, twist_from_wheel_rates, WheelGeometry, wrap_angle)
@@ -121,10 +119,7 @@ def test_a_recording_is_played_exactly_although_the_process_stands_still(graph, 
         '--ros-args', '--params-file', str(CONFIG / 'recording.yaml'), '-p',
         f'recording:={drive}'])
     graph.wait_for(lambda: ': playing 2.0' in sim.output, 'the course')
-    sim.send(signal.SIGSTOP)
-    over = time.monotonic() + 1.5
-    graph.wait_for(lambda: time.monotonic() > over, 'the stall')
-    sim.send(signal.SIGCONT)
+    graph.hold_up(sim, 1.5)
     assert sim.wait() == 0, sim.output
     found = re.findall(r'^(?:belief|truth) \(\S+\) +(\S+) +(\S+) +(\S+)$', sim.output, re.M)
     assert len(found) == 2, sim.output
@@ -161,10 +156,7 @@ def test_what_is_due_while_a_process_stands_still_on_real_time_is_driven_and_rea
         pose = advance(pose, v * seconds, w * seconds)
     sim = graph.start('diffdrive_sim', args=['--ros-args', '--params-file', str(file)])
     graph.wait_for(lambda: ' of 1.8 s ' in sim.output, 'the course')
-    sim.send(signal.SIGSTOP)
-    over = time.monotonic() + 2.0
-    graph.wait_for(lambda: time.monotonic() > over, 'the stall')
-    sim.send(signal.SIGCONT)
+    graph.hold_up(sim, 2.0)
     assert sim.wait() == 0, sim.output
     found = re.findall(r'^(?:belief|truth) \(\S+\) +(\S+) +(\S+) +(\S+)$', sim.output, re.M)
     assert len(found) == 2, sim.output

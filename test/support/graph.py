@@ -167,6 +167,14 @@ class Graph:
             self.executor.spin_once(timeout_sec=0.05)
         return result
 
+    def hold_up(self, process, seconds, meanwhile=lambda: None):
+        """Stop a process for some seconds of real time, in which something is said to it."""
+        process.send(signal.SIGSTOP)
+        meanwhile()
+        over = time.monotonic() + seconds
+        self.wait_for(lambda: time.monotonic() > over, 'the stall')
+        process.send(signal.SIGCONT)
+
     def outputs(self):
         return '\n'.join(f'--- {process.name}\n{process.output}' for process in self.processes)
 

@@ -139,12 +139,8 @@ def started(graph, before='', **parameters):
 def test_what_lay_in_the_queue_while_the_process_was_stopped_is_not_driven(graph, executor):
     controller, rates, commands = started(graph, executor=executor)
     graph.wait_for(lambda: rates, 'rates')
-    controller.send(signal.SIGSTOP)
-    for _ in range(5):
-        commands.publish(twist(SPEED, 0.0))
-    over = time.monotonic() + 1.0  # which is the stall itself
-    graph.wait_for(lambda: time.monotonic() > over, 'the stall')
-    controller.send(signal.SIGCONT)
+    graph.hold_up(controller, 1.0, lambda: [
+        commands.publish(twist(SPEED, 0.0)) for _ in range(5)])
     graph.wait_for(lambda: f'{OLD} 0.5' in controller.output, 'a report')
     heard = len(rates)
     graph.wait_for(lambda: len(rates) > heard + 25, 'rates')
@@ -209,11 +205,7 @@ def test_a_command_that_ended_during_a_stall_is_over_when_the_process_goes_on(gr
     graph.wait_for(lambda: rates, 'rates')
     send = obeyed_once(controller, lambda: commands.publish(twist(SPEED, 0.0)))
     graph.wait_for(lambda: send() or turning(rates), 'the robot to drive')
-    controller.send(signal.SIGSTOP)
-    commands.publish(twist(2.0 * SPEED, 0.0))
-    over = time.monotonic() + 1.0
-    graph.wait_for(lambda: time.monotonic() > over, 'the stall')
-    controller.send(signal.SIGCONT)
+    graph.hold_up(controller, 1.0, lambda: commands.publish(twist(2.0 * SPEED, 0.0)))
     graph.wait_for(lambda: at(rates, 0.0), 'the stop')
     assert {round(m.velocity[0] * 0.021, 9) for m in turning(rates)} == {SPEED}
     turned = [any(message.velocity) for message in rates]
