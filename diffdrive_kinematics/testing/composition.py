@@ -125,9 +125,10 @@ def _flat(
         if not isinstance(section, Mapping):
             refuse(name, section, 'a mapping of parameters')
         nested = {part: each for part, each in section.items() if part != PARAMETERS}
-        if PARAMETERS in section or not _has_parameters(section):
+        is_namespace = _has_parameters(nested)
+        if PARAMETERS in section or not is_namespace:
             yield name, dict(section.get(PARAMETERS, section) or {})
-        if _has_parameters(nested):
+        if is_namespace:
             yield from _flat(nested, name)
 
 

@@ -63,16 +63,12 @@ class Guardian:
         self._popen = subprocess.Popen(
             [sys.executable, '-I', '-S', __file__], stdin=subprocess.PIPE, text=True,
             stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True)
-        self.note_own()
+        for name in shared_memory_of(os.getpid()):  # to be deleted where this process is killed
+            self._tell(f'o{name}')
 
     def guard(self, group: int) -> None:
         """End a process group in the end."""
         self._tell(f'+{group}')
-
-    def note_own(self) -> None:
-        """Delete what this process has in shared memory where it is killed."""
-        for name in shared_memory_of(os.getpid()):
-            self._tell(f'o{name}')
 
     def release(self, group: int) -> None:
         """Leave a process group that has ended alone."""

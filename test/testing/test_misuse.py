@@ -42,6 +42,28 @@ pytestmark = pytest.mark.ros
 LATCHED = 'QoSProfile(depth=1, durability=rclpy.qos.DurabilityPolicy.TRANSIENT_LOCAL)'
 
 
+def adapted(files, old, new):
+    """Return the planner of the tutorial with another text in place of one."""
+    text = (files / 'my_planner.py').read_text()
+    assert old in text
+    path = files / 'adapted.py'
+    path.write_text(text.replace(old, new))
+    return path
+
+
+@pytest.fixture
+def latched(files):
+    """Return a planner that asks for goals of before it came."""
+    return adapted(files, 'self.on_goal, 10', f'self.on_goal, rclpy.qos.{LATCHED}')
+
+
+def goal_at(x):
+    """Return a goal [m] ahead, or behind."""
+    goal = PoseStamped()
+    goal.pose.position.x = x
+    return goal
+
+
 def python(text):
     """Return a command that runs some Python."""
     return [sys.executable, '-c', text, '--']
@@ -175,46 +197,30 @@ def test_the_truth_is_no_belief_where_a_node_of_it_was_killed(diffdrive, name):
 def test_a_process_whose_quality_of_service_does_not_fit_is_told_by_what_it_says(
         diffdrive, files, end):
     ours = {"'cmd_vel', 10": 'qos_profile_sensor_data', 'self.on_odom, 10': LATCHED}[end]
-    path = files / 'does_not_fit.py'
-    path.write_text((files / 'my_planner.py').read_text().replace(
-        end, f'{end[:-2]}rclpy.qos.{ours}'))
     robot = diffdrive(params=ROBOT)
-    robot.start_process([sys.executable, path])
-    goal = PoseStamped()
-    goal.pose.position.x = 1.0
-    robot.publish('goal_pose', goal)
+    robot.start_process([sys.executable, adapted(files, end, f'{end[:-2]}rclpy.qos.{ours}')])
+    robot.publish('goal_pose', goal_at(1.0))
     with pytest.raises(AssertionError, match='not within 1.0 .*[\\s\\S]*incompatible QoS'):
         robot.advance_until(lambda: robot.odom.x > 0.05, timeout=1.0)
 
 
 @pytest.mark.slow
-def test_a_process_that_subscribes_to_what_is_latched_hears_the_test(diffdrive, files):
-    path = files / 'latched.py'
-    path.write_text((files / 'my_planner.py').read_text().replace(
-        'self.on_goal, 10', f'self.on_goal, rclpy.qos.{LATCHED}'))
+def test_a_process_that_subscribes_to_what_is_latched_hears_the_test(diffdrive, latched):
     robot = diffdrive(params=ROBOT)
-    robot.start_process([sys.executable, path])
-    goal = PoseStamped()
-    goal.pose.position.x = 1.0
-    robot.publish('goal_pose', goal)
+    robot.start_process([sys.executable, latched])
+    robot.publish('goal_pose', goal_at(1.0))
     robot.advance_until(lambda: robot.odom.x > 0.05, timeout=2.0)
-    goal.pose.position.x = -1.0
-    robot.publish('goal_pose', goal)
+    robot.publish('goal_pose', goal_at(-1.0))
     robot.advance_until(lambda: abs(robot.odom.yaw) > 1.0, timeout=5.0)
 
 
 @pytest.mark.slow
-def test_a_process_that_comes_later_is_heard_by_what_it_listens_with(diffdrive, files):
-    path = files / 'latched.py'
-    path.write_text((files / 'my_planner.py').read_text().replace(
-        'self.on_goal, 10', f'self.on_goal, rclpy.qos.{LATCHED}'))
+def test_a_process_that_comes_later_is_heard_by_what_it_listens_with(diffdrive, latched):
     robot = diffdrive(params=ROBOT)
     robot.listen(PoseStamped, 'goal_pose')
     robot.publish('goal_pose', PoseStamped())  # to one that asks for nothing of before
-    robot.start_process([sys.executable, path])
-    goal = PoseStamped()
-    goal.pose.position.x = 1.0
-    robot.publish('goal_pose', goal)
+    robot.start_process([sys.executable, latched])
+    robot.publish('goal_pose', goal_at(1.0))
     robot.advance_until(lambda: robot.odom.x > 0.05, timeout=2.0)
 
 

@@ -86,10 +86,10 @@ def report_unknown(node: Any, given: Collection[str], known: Collection[str]) ->
     for name in given:
         if name in KNOWN_NAMES or name in BUILT_IN or name.startswith(QOS_PREFIX):
             continue
+        if name in ALIASES and ALIASES[name] not in known or not is_new(node, name):
+            continue
         harmless = False
         if name in ALIASES:
-            if ALIASES[name] not in known:
-                continue
             harmless = True
             text = (f'is ignored, {ALIASES[name]} is set' if ALIASES[name] in given
                     else f'is taken for {ALIASES[name]}')
@@ -103,8 +103,6 @@ def report_unknown(node: Any, given: Collection[str], known: Collection[str]) ->
         else:
             hint = resembling(name, KNOWN_NAMES)
             text = f'is ignored: no node of this package knows it{hint}'
-        if not is_new(node, name):
-            continue
         if harmless:  # for rclpy a line of code has one severity
             logger.info(f"parameter '{name}' {text}")
         else:
